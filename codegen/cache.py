@@ -1,0 +1,385 @@
+"""Where compiled libraries live: found by the hash of all that determines them, checked before each load.
+
+An entry is `<key>.json`, its manifest, and `<key>-<hash of the library>.so`; nothing on disk is believed unproved.
+"""
+
+from __future__ import annotations
+
+import atexit
+import contextlib
+import errno
+import fcntl
+import hashlib
+import json
+import os
+import re
+import shutil
+import stat
+import tempfile
+import threading
+import time
+import warnings
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+
+import platformdirs
+
+ABI = 1  # what a library and its caller agree on; raised with each change of the exported functions
+
+MANIFEST_LIMIT = 1_000_000  # bytes
+ZIG_FOLDER = "hillobs-zig"
+
+_OURS = re.compile(r"([0-9a-f]{64})(?:\.json|\.lock|-[0-9a-f]{16}\.so|-\w+\.tmp)")
+_UNWRITABLE = {errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOLCK, errno.ENOTSUP, errno.ETIMEDOUT}
+_POLL = 0.02  # seconds between two looks at a lock
+
+_private: dict[str, Path] = {}  # reason -> the one private folder of this process
+_private_guard = threading.Lock()
+
+
+class BuildError(RuntimeError):
+    """A library could not be built, stored or loaded; the message says what to do."""
+
+
+class CacheWarning(UserWarning):
+    """The cache was damaged or could not be used; the result is not affected."""
+
+
+class _Damaged(Exception):
+    """An entry is there, but not as it was written."""
+
+
+def entry_key(parts: Mapping[str, object]) -> str:
+    """Return the name of an entry: the SHA-256 of all that determines its bytes."""
+    return hashlib.sha256(_json(parts).encode()).hexdigest()
+
+
+def obtain(key: str, description: Mapping[str, object], make: Callable[[Path], Path], patience: float) -> Path:
+    """Return the verified library of `key`, made by `make(scratch folder)` where there is none.
+
+    Processes and threads that ask at once wait up to `patience` seconds for the one that makes it.
+    """
+    folder = cache_folder()
+    _sweep(folder)
+    with contextlib.suppress(_Damaged):
+        if library := find(folder, key, description):
+            return library
+    try:
+        return _make(folder, key, description, make, patience)
+    except OSError as error:
+        if error.errno not in _UNWRITABLE:
+            raise _failure(folder, error) from error
+        folder = _private_folder(f"{folder} cannot be used ({_words(error)})")
+    try:
+        return _make(folder, key, description, make, patience)
+    except OSError as error:
+        raise _failure(folder, error) from error
+
+
+def find(folder: Path, key: str, description: Mapping[str, object]) -> Path | None:
+    """Return the library of `key` if it and its manifest are exactly what is expected, None if there is none."""
+    manifest = folder / f"{key}.json"
+    try:
+        text = _read(manifest, MANIFEST_LIMIT)
+    except FileNotFoundError:
+        return None
+    except OSError as error:
+        raise _Damaged(f"{manifest} cannot be read ({_words(error)})") from error
+    digest, size = _claim(manifest, text)
+    if text != _manifest(key, description, digest, size):
+        raise _Damaged(f"{manifest} is not the manifest of this library")
+    library = folder / _library_name(key, digest)
+    try:
+        content = _read(library, size)
+    except OSError as error:
+        raise _Damaged(f"{library} cannot be read ({_words(error)})") from error
+    if len(content) != size or hashlib.sha256(content).hexdigest() != digest:
+        raise _Damaged(f"{library} is not what was compiled")
+    return library
+
+
+def cache_folder() -> Path:
+    """Return the folder of the libraries, made 0700; a private one, with a warning, where it cannot be trusted."""
+    folder = _location()
+    if not os.path.lexists(folder) and folder.is_absolute():
+        try:
+            _make_folder(folder)
+        except OSError as error:
+            return _private_folder(f"{folder} cannot be made ({_words(error)})")
+    if reason := _distrust(folder):
+        return _private_folder(f"{folder} {reason}")
+    return folder
+
+
+def clean_cache() -> list[Path]:
+    """Remove all that this module wrote, but what another process is building; return what was removed."""
+    folder = _location()
+    if not os.path.lexists(folder):
+        return []
+    if reason := _distrust(folder):
+        raise BuildError(f"The cache was not cleaned: {folder} {reason}.")
+    removed = []
+    for key in sorted({match[1] for name in os.listdir(folder) if (match := _OURS.fullmatch(name))}):
+        with contextlib.suppress(TimeoutError), _locked(folder / f"{key}.lock", patience=0):
+            removed += [path for path in _files_of(folder, key) if path.suffix != ".lock"]
+            for path in _files_of(folder, key):
+                _remove(path)
+    if (folder / ZIG_FOLDER).is_dir():
+        _remove(folder / ZIG_FOLDER)
+        removed.append(folder / ZIG_FOLDER)
+    return removed
+
+
+def describe_cache() -> dict[str, object]:
+    """Return folder, what is wrong with it, number of libraries and their bytes, without touching anything."""
+    folder = _location()
+    missing = not os.path.lexists(folder)
+    reason = "" if missing else _distrust(folder)
+    names = [] if missing or reason else os.listdir(folder)
+    libraries = [folder / name for name in names if _OURS.fullmatch(name) and name.endswith(".so")]
+    size = sum(path.stat().st_size for path in libraries)
+    return {"folder": str(folder), "problem": reason, "libraries": len(libraries), "bytes": size}
+
+
+def write_new(path: Path, content: bytes) -> None:
+    """Write a file that must not exist yet, for us alone whatever the umask, and wait for the disk."""
+    handle = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW | os.O_CLOEXEC, 0o600)
+    with os.fdopen(handle, "wb") as file:
+        os.fchmod(handle, 0o600)
+        file.write(content)
+        file.flush()
+        os.fsync(handle)
+
+
+def _location() -> Path:
+    """Return where the cache should be: HILLOBS_CACHE, `build/cache` of a checkout, the user's cache folder."""
+    if given := os.environ.get("HILLOBS_CACHE"):
+        if not os.path.isabs(given):
+            raise BuildError(f"HILLOBS_CACHE must be an absolute path, not {given!r}.")
+        return Path(given)
+    root = Path(__file__).parents[1]
+    with contextlib.suppress(OSError, UnicodeDecodeError):
+        if (root / "build").is_dir() and 'name = "hillobs"' in (root / "pyproject.toml").read_text("utf-8"):
+            return root / "build" / "cache"
+    return platformdirs.user_cache_path("hillobs")
+
+
+def _distrust(folder: Path) -> str:
+    """Return why libraries from `folder` must not be loaded, or an empty text."""
+    if not folder.is_absolute():
+        return "is not an absolute path"
+    try:
+        info = os.lstat(folder)
+    except OSError as error:
+        return f"cannot be looked at ({_words(error)})"
+    if not stat.S_ISDIR(info.st_mode):
+        return "is a link" if stat.S_ISLNK(info.st_mode) else "is not a folder"
+    if info.st_uid != os.geteuid():
+        return "belongs to another user"
+    return "can be written by others" if info.st_mode & 0o022 else ""
+
+
+def _make_folder(folder: Path) -> None:
+    if not folder.parent.is_dir():
+        _make_folder(folder.parent)
+    with contextlib.suppress(FileExistsError):
+        os.mkdir(folder, 0o700)
+        os.chmod(folder, 0o700)  # the umask may have taken our own rights
+
+
+def _private_folder(reason: str) -> Path:
+    """Return a folder of this process alone, removed at exit; warn once for each reason."""
+    with _private_guard:
+        known = reason in _private
+        folder = next(iter(_private.values()), None) or _make_private_folder(reason)
+        _private[reason] = folder
+    if not known:
+        message = f"{reason}: libraries are compiled into {folder} and removed at exit."
+        warnings.warn(message, CacheWarning, stacklevel=2)
+    return folder
+
+
+def _make_private_folder(reason: str) -> Path:
+    try:
+        parent = Path(tempfile.gettempdir())
+        _sweep_private(parent)
+        folder = Path(tempfile.mkdtemp(prefix="hillobs-", dir=parent))
+        os.chmod(folder, 0o700)
+        _acquire(folder / "owner.lock", patience=0)  # held until this process ends, however it ends
+    except OSError as error:
+        raise BuildError(f"{reason}, and no temporary folder can be made ({_words(error)}).") from error
+    owner = os.getpid()
+    atexit.register(lambda: _remove(folder) if os.getpid() == owner else None)
+    return folder
+
+
+def _sweep_private(parent: Path) -> None:
+    """Remove private folders whose process has died."""
+    for path in parent.glob("hillobs-*/owner.lock"):
+        if not _distrust(path.parent):
+            with contextlib.suppress(OSError), _locked(path, patience=0):
+                _remove(path.parent)
+
+
+def _sweep(folder: Path) -> None:
+    """Remove scratch folders whose process has died: those whose key nobody has locked."""
+    with contextlib.suppress(OSError):
+        for name in os.listdir(folder):
+            if name.endswith(".tmp") and (match := _OURS.fullmatch(name)):
+                with contextlib.suppress(OSError), _locked(folder / f"{match[1]}.lock", patience=0):
+                    _remove(folder / name)
+
+
+def _make(folder: Path, key: str, description: Mapping[str, object], make: Callable[[Path], Path], patience: float) -> Path:
+    """Make and publish the entry, unless another process has done so while we waited."""
+    damage = ""
+    with _locked(folder / f"{key}.lock", patience):
+        try:
+            if library := find(folder, key, description):
+                return library
+        except _Damaged as error:
+            damage = str(error)
+        with _scratch(folder, key) as scratch:
+            _publish(folder, scratch, key, description, make(scratch).read_bytes())
+        try:
+            library = find(folder, key, description)
+        except _Damaged as error:
+            raise BuildError(f"The disk does not keep what is written to it: {error}.") from error
+    if library is None:
+        raise BuildError(f"{folder} was emptied while a library was built into it; run again.")
+    if damage:
+        warnings.warn(f"{damage}; it has been built again.", CacheWarning, stacklevel=2)
+    return library
+
+
+def _publish(folder: Path, scratch: Path, key: str, description: Mapping[str, object], content: bytes) -> None:
+    """Move the library and then its manifest to their final names, which are never opened for writing."""
+    digest = hashlib.sha256(content).hexdigest()
+    manifest = _manifest(key, description, digest, len(content))
+    for name, data in ((_library_name(key, digest), content), (f"{key}.json", manifest)):
+        write_new(scratch / name, data)
+        os.replace(scratch / name, folder / name)
+    with contextlib.suppress(OSError):  # some file systems cannot; what is lost then is found by its hash
+        _sync_folder(folder)
+
+
+def _sync_folder(folder: Path) -> None:
+    handle = os.open(folder, os.O_RDONLY | os.O_CLOEXEC)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)
+
+
+def _manifest(key: str, description: Mapping[str, object], digest: str, size: int) -> bytes:
+    """Return the one text that may stand in the manifest of this library."""
+    name = _library_name(key, digest)
+    body = {"abi": ABI, "key": key, "library": name, "sha256": digest, "size": size, "description": description}
+    own = hashlib.sha256(_json(body).encode()).hexdigest()
+    text = _json({**body, "manifest_sha256": own}).encode() + b"\n"
+    if len(text) > MANIFEST_LIMIT:
+        raise BuildError(f"The description of the library takes {len(text)} bytes, more than {MANIFEST_LIMIT}.")
+    return text
+
+
+def _claim(manifest: Path, text: bytes) -> tuple[str, int]:
+    """Return hash and size of the library as the manifest claims them."""
+    try:
+        fields = json.loads(text)
+        digest, size = fields["sha256"], fields["size"]
+    except (ValueError, RecursionError, KeyError, TypeError) as error:
+        raise _Damaged(f"{manifest} cannot be read ({type(error).__name__})") from error
+    if not isinstance(digest, str) or not re.fullmatch("[0-9a-f]{64}", digest) or type(size) is not int:
+        raise _Damaged(f"{manifest} names no library")
+    return digest, size
+
+
+def _read(path: Path, limit: int) -> bytes:
+    """Return the bytes of a regular file of ours that no one else may write."""
+    handle = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
+    with os.fdopen(handle, "rb") as file:
+        info = os.fstat(handle)
+        if not stat.S_ISREG(info.st_mode):
+            raise _Damaged(f"{path} is not a file")
+        if info.st_uid != os.geteuid() or info.st_mode & 0o022:
+            raise _Damaged(f"{path} could have been written by others")
+        if info.st_size > limit:
+            raise _Damaged(f"{path} has {info.st_size} bytes, more than {limit}")
+        return file.read(info.st_size + 1)
+
+
+@contextlib.contextmanager
+def _scratch(folder: Path, key: str) -> Iterator[Path]:
+    """Give a folder to build in, next to the final names; without its lock, another start removes it."""
+    path = Path(tempfile.mkdtemp(prefix=f"{key}-", suffix=".tmp", dir=folder))
+    try:
+        os.chmod(path, 0o700)
+        yield path
+    finally:
+        _remove(path)
+
+
+@contextlib.contextmanager
+def _locked(path: Path, patience: float) -> Iterator[None]:
+    """Hold the lock `path`; TimeoutError if another holder keeps it for `patience` seconds."""
+    handle = _acquire(path, patience)
+    try:
+        yield
+    finally:
+        os.close(handle)
+
+
+def _acquire(path: Path, patience: float) -> int:
+    """Return a descriptor that holds the lock until it is closed or its process dies."""
+    deadline = time.monotonic() + patience
+    while (handle := _try_lock(path)) is None:
+        if time.monotonic() > deadline:
+            raise TimeoutError(errno.ETIMEDOUT, "another process does not release it")
+        time.sleep(_POLL)
+    return handle
+
+
+def _try_lock(path: Path) -> int | None:
+    handle = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC, 0o600)
+    try:
+        os.fchmod(handle, 0o600)
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        if os.path.samestat(os.fstat(handle), os.stat(path)):
+            return handle
+    except (BlockingIOError, FileNotFoundError):
+        pass  # held by another, or removed by `clean` since we opened it
+    except BaseException:
+        os.close(handle)
+        raise
+    os.close(handle)
+    return None
+
+
+def _remove(path: Path) -> None:
+    """Remove a file or a folder; what cannot be removed is left to the next start."""
+    if path.is_dir() and not path.is_symlink():
+        shutil.rmtree(path, ignore_errors=True)
+    else:
+        with contextlib.suppress(OSError):
+            path.unlink()
+
+
+def _library_name(key: str, digest: str) -> str:
+    return f"{key}-{digest[:16]}.so"
+
+
+def _files_of(folder: Path, key: str) -> list[Path]:
+    return sorted(folder / name for name in os.listdir(folder) if name.startswith(key) and _OURS.fullmatch(name))
+
+
+def _json(value: object) -> str:
+    """Return the one JSON text of a value; the order of keys counts, as array positions may hang on it."""
+    return json.dumps(value, separators=(",", ":"), allow_nan=False)
+
+
+def _words(error: OSError) -> str:
+    return error.strerror or type(error).__name__
+
+
+def _failure(folder: Path, error: OSError) -> BuildError:
+    return BuildError(f"The compiled library cannot be stored in {folder}: {_words(error)}.")

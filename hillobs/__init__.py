@@ -1,0 +1,1 @@
+"""Observers for a pair of Hill muscles."""

@@ -1,0 +1,135 @@
+"""One kind of thing: the Block. Plant, reference, sensors, controller, observers and score are all Blocks."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+
+import casadi as ca
+
+
+class BlockError(ValueError):
+    """A Block or a wiring that cannot be; the sentence names the part and what is valid."""
+
+
+class Symbols(dict[str, ca.SX]):
+    """Ordered names → expressions, also as attributes: `p.eps_h` is `p["eps_h"]`."""
+
+    def __getattr__(self, name: str) -> ca.SX:
+        try:
+            return self[name]
+        except KeyError:
+            raise AttributeError(f"no symbol {name!r}; there are {', '.join(self)}") from None
+
+    def part(self, name: str) -> Symbols:
+        """The symbols named `name.…`, without that prefix."""
+        return Symbols({key.removeprefix(f"{name}."): value for key, value in self.items() if key.startswith(f"{name}.")})
+
+    def vector(self) -> ca.SX:
+        """All entries as one column, in order (0 × 1 if there are none)."""
+        return ca.vertcat(*self.values()) if self else ca.SX(0, 1)
+
+
+def symbols(names: str | Iterable[str]) -> Symbols:
+    """Fresh scalar symbols for the names given (one string is split at blanks)."""
+    return Symbols({name: ca.SX.sym(name) for name in (names.split() if isinstance(names, str) else names)})
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A number of the model: its default, what it means, where it comes from and what it may be.
+
+    `shared` is the path of the one value that all Blocks take which use it, unless one is given its own.
+    """
+
+    default: float
+    sentence: str
+    source: str
+    unit: str = "1"
+    above: float = -math.inf  # value > above
+    least: float = -math.inf  # value ≥ least
+    below: float = math.inf  # value < below
+    most: float = math.inf  # value ≤ most
+    shared: str = ""
+
+
+# Parameters by name, in order
+Parameters = Mapping[str, Parameter]
+
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
+
+
+@dataclass(frozen=True)
+class Block:
+    """ẋ = f(t, x, u, p), y = h(t, x, u, p), every component a named scalar.
+
+    Each state moves in exactly one way: `dx` (continuous), `next` (at each sample k·T_s) or `per_step`
+    (at each grid point of the integrator, after `next`); it starts at `x0`, an expression in p and the
+    inputs at t = 0, or at 0. The input `t` is time, the inputs in `held` are constant over a step, all
+    others are evaluated at each stage. `guards` are 1 while a limit is active, else 0; an expression in
+    `domain` must stay positive.
+    """
+
+    name: str
+    x: Symbols = field(default_factory=Symbols)
+    u: Symbols = field(default_factory=Symbols)
+    p: Symbols = field(default_factory=Symbols)
+    y: Symbols = field(default_factory=Symbols)
+    dx: Symbols = field(default_factory=Symbols)
+    next: Symbols = field(default_factory=Symbols)
+    per_step: Symbols = field(default_factory=Symbols)
+    x0: Symbols = field(default_factory=Symbols)
+    parameters: Parameters = field(default_factory=dict)
+    held: frozenset[str] = frozenset()
+    guards: Symbols = field(default_factory=Symbols)
+    domain: Symbols = field(default_factory=Symbols)
+    parts: tuple[Block, ...] = ()
+
+    def __post_init__(self) -> None:
+        if not _NAME.fullmatch(self.name):
+            raise BlockError(f"{self.name!r} is no name for a block: letters, digits and _, a letter first, at most 40")
+        for group in ("x", "u", "p", "y", "dx", "next", "per_step", "x0", "guards", "domain"):
+            object.__setattr__(self, group, _scalars(self.name, group, getattr(self, group)))
+        moves = [*self.dx, *self.next, *self.per_step]
+        if sorted(moves) != sorted(self.x):
+            raise BlockError(
+                f"{self.name}: each state must move in exactly one of dx, next, per_step; "
+                f"states are {', '.join(self.x) or 'none'}, moved are {', '.join(moves) or 'none'}"
+            )
+        if list(self.parameters) != list(self.p):
+            raise BlockError(
+                f"{self.name}: parameters described are {list(self.parameters)}, the symbols in p {list(self.p)}"
+            )
+        for what, names, valid in (("x0", self.x0, self.x), ("held", self.held, self.u)):
+            if unknown := [name for name in names if name not in valid]:
+                raise BlockError(f"{self.name}: {what} names {', '.join(unknown)}; valid are {', '.join(valid)}")
+        self._check_free_symbols()
+
+    def _check_free_symbols(self) -> None:
+        inputs = [*self.u.values(), *self.p.values()]
+        for group, known in (("x0", inputs), *((g, [*self.x.values(), *inputs]) for g in _EXPRESSIONS)):
+            allowed = {symbol.element_hash() for symbol in known}
+            for name, expression in getattr(self, group).items():
+                if free := [s.name() for s in ca.symvar(expression) if s.element_hash() not in allowed]:
+                    raise BlockError(f"{self.name}: {group}.{name} uses {', '.join(free)}, not among its own symbols")
+
+    def expressions(self) -> Iterable[tuple[str, Symbols]]:
+        """The groups that hold expressions, by field name."""
+        return ((group, getattr(self, group)) for group in ("x0", *_EXPRESSIONS))
+
+
+_EXPRESSIONS = ("y", "dx", "next", "per_step", "guards", "domain")
+
+
+def _scalars(block: str, group: str, given: Mapping[str, ca.SX | float]) -> Symbols:
+    result = Symbols()
+    for name, value in given.items():
+        entry = ca.SX(value)
+        if entry.shape != (1, 1):
+            raise BlockError(f"{block}: {group}.{name} has the shape {entry.shape}; every component is a scalar")
+        if group in ("x", "u", "p") and not entry.is_symbolic():
+            raise BlockError(f"{block}: {group}.{name} must be a symbol, it is an expression")
+        result[name] = ca.densify(entry)
+    return result

@@ -1,0 +1,76 @@
+"""The truth of a run, one composite: reference, uncertainty, plant, controller, sensors."""
+
+from __future__ import annotations
+
+from .activations import given_activations
+from .backstepping import backstepping
+from .block import Block
+from .curves import NGUYEN2019, CurveSet
+from .pair import pair
+from .pulses import PULSES, pulses
+from .reference import reference
+from .sensors import sensors
+from .symbols import MEASURED, QUANTITIES, STATES
+from .uncertainty import uncertainty
+from .wiring import rename, wire
+
+NOISE_CHANNELS = ("w1", "w2", "w3")
+TAUT = ("taut1", "taut2")
+_SIGNALS = ("uncertainty.Delta", "reference.r")
+
+
+def closed_loop(drive: str = "virtual", curves: CurveSet = NGUYEN2019, controller: Block | None = None) -> Block:
+    """The Block `truth` with the outputs x1…x4, Delta, u1, u2, a1, a2, taut1, taut2, y1, y2, y3 (and r, if followed).
+
+    Inputs: t, the held noise w1…w3 and the held gates of the pulses. With the drive `given` there is no controller.
+    """
+    plant = pair(drive, curves)
+    measured = {"x1": "plant.x1", "Phi_S1": "plant.Phi_S1", "Phi_S2": "plant.Phi_S2"}
+    parts = [uncertainty(), plant, sensors()]
+    connections: dict[str, str | float] = {
+        "uncertainty.t": "t",
+        "plant.Delta": "uncertainty.Delta",
+        **{f"sensors.{port}": source for port, source in measured.items()},
+        **{f"sensors.{channel}": channel for channel in NOISE_CHANNELS},
+    }
+    held = NOISE_CHANNELS
+    outputs = [*QUANTITIES, *TAUT, *MEASURED]
+    if drive == "given":
+        parts.append(given_activations())
+        connections |= {"activations.t": "t", "plant.a1": "activations.a1", "plant.a2": "activations.a2"}
+    else:
+        controller = controller or backstepping(curves)
+        parts += [reference(), controller, pulses()]
+        held += PULSES
+        outputs.append("r")
+        connections |= {
+            "reference.t": "t",
+            **{f"controller.{x}": f"plant.{x}" for x in STATES},
+            **{f"controller.{r}": f"reference.{r}" for r in ("r", "dr", "ddr", "dddr")},
+            **{f"controller.{d}": f"uncertainty.{d}" for d in ("Delta", "dDelta")},
+            "pulses.u1": "controller.u1",
+            **{f"pulses.{name}": name for name in PULSES},
+            "plant.u1": "pulses.u1",
+            "plant.u2": "controller.u2",
+        }
+    wired = wire("truth", parts, connections, {"t": "t", **dict.fromkeys(held, "held")})
+    return rename(wired, "truth", {old: new for old, new in _names(wired).items() if old != new}, outputs)
+
+
+def _names(wired: Block) -> dict[str, str]:
+    """Composite names as paths of a scenario (spec §8): `plant.x1` → `x1`, `sensors.force` → `noise.force` …"""
+    names = {f"plant.{x}_0": f"initial.{x}" for x in STATES if f"plant.{x}_0" in wired.p}
+    for key in (*wired.y, *wired.x, *wired.p):
+        part, _, rest = key.partition(".")
+        if key in names:
+            continue
+        if part == "sensors" and key in wired.p:
+            names[key] = f"noise.{rest}"
+        elif part in ("pulses", "activations") and key in wired.p:
+            names[key] = rest
+        elif part == "plant" and rest.startswith("muscle") and key in wired.p:
+            names[key] = rest
+        elif (key in wired.x or key in wired.y) and (part in ("plant", "sensors") or key in _SIGNALS):
+            names[key] = rest
+    return names
+

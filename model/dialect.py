@@ -1,0 +1,33 @@
+"""Branch-free building blocks: symbols are not Python values, so switching is arithmetic."""
+
+from __future__ import annotations
+
+import casadi as ca
+
+# keeps e/(δ + |e|) defined for e = δ = 0 and changes no other value
+_TINY = 1e-300
+
+
+def clamp(value: ca.SX, low: ca.SX | float, high: ca.SX | float) -> ca.SX:
+    """`value` limited to [low, high]."""
+    return ca.fmin(ca.fmax(value, low), high)
+
+
+def outside(value: ca.SX, low: ca.SX | float, high: ca.SX | float) -> ca.SX:
+    """1 where `clamp` changes the value, else 0."""
+    return ca.logic_or(value < low, value > high)
+
+
+def sg(error: ca.SX, delta: ca.SX) -> ca.SX:
+    """sg_δ(e) = e/(δ + |e|), the smoothed sign with boundary layer δ [deltas]; δ = 0 is the sign itself."""
+    return error / (delta + ca.fabs(error) + _TINY)
+
+
+def root(error: ca.SX) -> ca.SX:
+    """|e|^½."""
+    return ca.sqrt(ca.fabs(error))
+
+
+def dead_zone(value: ca.SX, width: ca.SX) -> ca.SX:
+    """|value| where it exceeds `width`, else 0."""
+    return (ca.fabs(value) > width) * ca.fabs(value)

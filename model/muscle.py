@@ -1,0 +1,94 @@
+"""One Hill muscle: a fibre in series with a tendon, driven by its virtual input or by its activation."""
+
+from __future__ import annotations
+
+import casadi as ca
+
+from .block import Block, Parameter, Parameters, Symbols, symbols
+from .curves import CurveSet
+from .dialect import clamp, outside
+
+# keeps 0/0 out of the activation where the fibre is far from its optimal length
+_FORCE_FLOOR = 1e-12
+
+ACTIVATION_LIMITS: Parameters = {
+    "a_min": Parameter(0.01, "smallest activation that a muscle can be given", "chosen, spec §3", above=0, below=1),
+    "z_max": Parameter(1.45, "largest force factor z: g(−0.9), below the pole g_max", "chosen, spec §3", above=1),
+}
+
+
+def activation(Phi_S: ca.SX, L_C: ca.SX, u: ca.SX, curves: CurveSet, p: Symbols) -> ca.SX:
+    """The activation that gives the virtual input u at tendon force Phi_S and fibre length L_C."""
+    # a = (Φ_S − Φ_P)/(g(u) f)   [z]
+    return (Phi_S - curves.Phi_P(L_C, p)) / (curves.g(u, p) * ca.fmax(curves.f(L_C, p), _FORCE_FLOOR))
+
+
+def _muscle(curves: CurveSet, drive: Symbols, extra: Parameters) -> tuple[Symbols, Symbols, Symbols, Parameters]:
+    parameters = {**curves.parameters, **extra}
+    return symbols("L_S"), Symbols({**symbols("L_m dL_m"), **drive}), symbols(parameters), parameters
+
+
+def virtual_muscle(curves: CurveSet) -> Block:
+    """Driven by u. Inputs L_m, dL_m (length and its rate), u; outputs Phi_S, L_C, u, a, taut."""
+    x, u, p, parameters = _muscle(curves, symbols("u"), {})
+    L_C = u.L_m - x.L_S
+    Phi_S = curves.Phi_S(x.L_S, p)
+    a = activation(Phi_S, L_C, u.u, curves, p)
+    # L̇_S = L̇_m + u   [lsdot1], [lsdot2]
+    return _block(x, u, p, parameters, Phi_S, L_C, drive=u.u, a=a, guards=Symbols())
+
+
+def activated_muscle(curves: CurveSet) -> Block:
+    """Driven by the activation a. Inputs L_m, dL_m, a; outputs as those of `virtual_muscle`."""
+    x, u, p, parameters = _muscle(curves, symbols("a"), {"z_max": ACTIVATION_LIMITS["z_max"]})
+    L_C = u.L_m - x.L_S
+    Phi_S = curves.Phi_S(x.L_S, p)
+    # z = (Φ_S − Φ_P)/(a f)   [z]
+    z = (Phi_S - curves.Phi_P(L_C, p)) / (u.a * ca.fmax(curves.f(L_C, p), _FORCE_FLOOR))
+    # u = g⁻¹(z)   [gj]
+    drive = curves.g_inv(clamp(z, 0, p.z_max), p)
+    guards = Symbols(z_limit=outside(z, 0, p.z_max))
+    return _block(x, u, p, parameters, Phi_S, L_C, drive=drive, a=u.a, guards=guards)
+
+
+def requested_activation(curves: CurveSet) -> Block:
+    """The controller's request u as an activation within [a_min, 1]. Inputs Phi_S, L_C, u; output a."""
+    u = symbols("Phi_S L_C u")
+    parameters = {**curves.parameters, "a_min": ACTIVATION_LIMITS["a_min"]}
+    p = symbols(parameters)
+    a = activation(u.Phi_S, u.L_C, u.u, curves, p)
+    return Block(
+        "request",
+        u=u,
+        p=p,
+        parameters=parameters,
+        y=Symbols(a=clamp(a, p.a_min, 1)),
+        guards=Symbols(a_limit=outside(a, p.a_min, 1)),
+    )
+
+
+def _block(
+    x: Symbols,
+    u: Symbols,
+    p: Symbols,
+    parameters: Parameters,
+    Phi_S: ca.SX,
+    L_C: ca.SX,
+    drive: ca.SX,
+    a: ca.SX,
+    guards: Symbols,
+) -> Block:
+    L_S0 = ca.SX.sym("L_S0")
+    start = {"L_S0": Parameter(2.018, "tendon length at the start", "chosen, spec §3", above=0)}
+    return Block(
+        "muscle",
+        x=x,
+        u=u,
+        p=Symbols({**p, "L_S0": L_S0}),
+        parameters={**parameters, **start},
+        dx=Symbols(L_S=u.dL_m + drive),
+        x0=Symbols(L_S=L_S0),
+        y=Symbols(L_S=x.L_S, Phi_S=Phi_S, L_C=L_C, u=drive, a=a, taut=Phi_S > 0),
+        guards=guards,
+        domain=Symbols(L_S=x.L_S, L_C=L_C),
+    )

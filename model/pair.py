@@ -1,0 +1,68 @@
+"""The plant: two muscles on one mass, under the paper's names x₁…x₄, with one of three drives."""
+
+from __future__ import annotations
+
+import dataclasses
+
+from .block import Block, BlockError
+from .curves import NGUYEN2019, CurveSet, per_muscle
+from .muscle import activated_muscle, requested_activation, virtual_muscle
+from .skeleton import mass
+from .symbols import MUSCLES
+from .wiring import many, rename, wire
+
+DRIVES = {
+    "virtual": "u from the controller, as the paper simulates",
+    "requested": "the activation that the controller's u asks for, limited to [a_min, 1]",
+    "given": "activations given as signals, without a controller",
+}
+
+
+def pair(drive: str = "virtual", curves: CurveSet = NGUYEN2019) -> Block:
+    """The plant [load1]–[lsdot2]; inputs Delta and u1, u2 (drives virtual, requested) or a1, a2 (given).
+
+    Outputs x1…x4, Phi_S1, Phi_S2, u1, u2, a1, a2, taut1, taut2; starts at the parameters x1_0 … x4_0.
+    """
+    if drive not in DRIVES:
+        raise BlockError(f"unknown drive {drive!r}; valid: {', '.join(DRIVES)}")
+    muscle = virtual_muscle(curves) if drive == "virtual" else activated_muscle(curves)
+    port = "u" if drive == "virtual" else "a"
+    outside = "a" if drive == "given" else "u"
+    parts = [mass(), *many(muscle, MUSCLES)]
+    connections: dict[str, str | float] = {"mass.Delta": "Delta"}
+    for j, name in enumerate(MUSCLES, start=1):
+        connections |= {
+            f"{name}.L_m": f"mass.{name}_L_m",
+            f"{name}.dL_m": f"mass.{name}_dL_m",
+            f"{name}.{port}": f"{outside}{j}",
+            f"mass.{name}_F": f"{name}.Phi_S",
+        }
+        if drive == "requested":
+            (request,) = many(requested_activation(curves), [f"request{j}"])
+            parts.append(request)
+            connections |= {
+                f"{name}.a": f"{request.name}.a",
+                f"{request.name}.Phi_S": f"{name}.Phi_S",
+                f"{request.name}.L_C": f"{name}.L_C",
+                f"{request.name}.u": f"u{j}",
+            }
+    external = {name: "staged" for name in ("Delta", f"{outside}1", f"{outside}2")}
+    return _as_in_the_paper(wire("plant", parts, connections, external), curves)
+
+
+def _as_in_the_paper(wired: Block, curves: CurveSet) -> Block:
+    """States, outputs and parameters under the names of the paper; curve numbers shared with all who use them."""
+    names = {"mass.q": "x1", "mass.dq": "x2", "mass.q0": "x1_0", "mass.dq0": "x2_0", "mass.m": "m", "mass.C": "C"}
+    for j, name in enumerate(MUSCLES, start=1):
+        names |= {f"{name}.L_S": f"x{j + 2}", f"{name}.L_S0": f"x{j + 2}_0", f"{name}.L_C": f"L_C{j}"}
+        names |= {f"{name}.{port}": f"{port}{j}" for port in ("Phi_S", "u", "a", "taut")}
+        names |= {f"{name}.z_max": "z_max", f"{name}.z_limit": f"z{j}_limit", f"request{j}.a_limit": f"a{j}_limit"}
+        for key in wired.parameters:
+            if key.startswith(f"request{j}."):
+                curve = key.removeprefix(f"request{j}.")
+                names[key] = curve if curve == "a_min" else f"{name}.{curve}"
+    used = {*wired.x, *wired.y, *wired.p, *wired.guards, *wired.domain}
+    outputs = ["x1", "x2", "x3", "x4", "Phi_S1", "Phi_S2", "u1", "u2", "a1", "a2", "taut1", "taut2"]
+    plant = rename(wired, "plant", {old: new for old, new in names.items() if old in used}, outputs)
+    shared = {key: value for key, value in per_muscle(curves.parameters).items() if key in plant.parameters}
+    return dataclasses.replace(plant, parameters={**plant.parameters, **shared})

@@ -1,0 +1,63 @@
+"""The one table of signals: name in the code, symbol in figures, unit, sentence, equation in the paper."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Signal:
+    """What a named number of the model is. `tolerance` is the error below which it counts as settled."""
+
+    name: str
+    symbol: str
+    sentence: str
+    equation: str
+    unit: str = "1"
+    tolerance: float = float("nan")
+
+
+_SIGNALS = (
+    Signal("t", r"$\tau$", "time", "paper, §II"),
+    Signal("x1", r"$x_1$", "position L_m1 of the mass", "[x1d]", tolerance=2e-3),
+    Signal("x2", r"$x_2$", "velocity of the mass, positive to the right", "[x2d]", tolerance=5e-3),
+    Signal("x3", r"$x_3$", "length L_S1 of the series elastic element of muscle 1", "[x3d]", tolerance=5e-4),
+    Signal("x4", r"$x_4$", "length L_S2 of the series elastic element of muscle 2", "[x4d]", tolerance=5e-4),
+    Signal("Delta", r"$\Delta_\Phi$", "bounded uncertainty in the acceleration", "[Deltaphi]", tolerance=5e-3),
+    Signal("u1", r"$u_1$", "virtual input of muscle 1: minus its fibre velocity", "[lcdot1]", tolerance=5e-3),
+    Signal("u2", r"$u_2$", "virtual input of muscle 2: minus its fibre velocity", "[lcdot2]", tolerance=5e-3),
+    Signal("a1", r"$a_1$", "activation of muscle 1", "[z]", tolerance=2e-2),
+    Signal("a2", r"$a_2$", "activation of muscle 2", "[z]", tolerance=2e-2),
+    Signal("taut1", "taut 1", "1 while tendon 1 carries force, else 0", "[PhiSj]"),
+    Signal("taut2", "taut 2", "1 while tendon 2 carries force, else 0", "[PhiSj]"),
+    Signal("r", r"$r$", "reference of the position", "paper, §V"),
+    Signal("y1", r"$y_1$", "measured position", "[y1]"),
+    Signal("y2", r"$y_2$", "measured force of tendon 1", "[y2]"),
+    Signal("y3", r"$y_3$", "measured force of tendon 2", "[y3]"),
+    Signal("l_a", r"$l_a$", "adaptive part of the gain L", "[dotla]"),
+    Signal("r_a0", r"$r_{a0}$", "second layer of the gain L", "[dra0]"),
+    Signal("k_1", r"$k_1$", "adaptive gain of muscle 1", "[kj]"),
+    Signal("r_a1", r"$r_{a1}$", "second layer of the gain k_1", "[draj]"),
+    Signal("k_2", r"$k_2$", "adaptive gain of muscle 2", "[kj]"),
+    Signal("r_a2", r"$r_{a2}$", "second layer of the gain k_2", "[draj]"),
+)
+
+SIGNALS = {signal.name: signal for signal in _SIGNALS}
+
+STATES = ("x1", "x2", "x3", "x4")
+MUSCLES = ("muscle1", "muscle2")
+# what an observer estimates and every table scores, in this order
+QUANTITIES = (*STATES, "Delta", "u1", "u2", "a1", "a2")
+MEASURED = ("y1", "y2", "y3")
+
+
+def hat(name: str) -> str:
+    """The name of the estimate of `name`."""
+    return f"{name}_hat"
+
+
+def muscle_of(quantity: str) -> str | None:
+    """The muscle whose slack tendon makes `quantity` meaningless, or None."""
+    return {"x3": "muscle1", "u1": "muscle1", "a1": "muscle1", "x4": "muscle2", "u2": "muscle2", "a2": "muscle2"}.get(
+        quantity
+    )

@@ -1,0 +1,164 @@
+"""The adaptive sliding mode observer [AO1a]–[AO3b], corrected: dual-layer gains that need no bounds."""
+
+from __future__ import annotations
+
+import math
+
+import casadi as ca
+
+from ..model.block import Block, Parameter, Symbols, symbols
+from ..model.curves import NGUYEN2019, CurveSet, per_muscle
+from ..model.dialect import clamp, dead_zone, root, sg
+from ..model.skeleton import MASS
+from ..model.symbols import MEASURED
+from .conditions import Condition, above, below, between, equal, positive
+from .ports import START, estimates, output_errors, start
+
+_PAPER, _CHOSEN = "paper, §V", "chosen, spec §6"
+_BETA0 = 1.1
+
+PARAMETERS = {
+    "alpha0": Parameter(2 * math.sqrt(2 * _BETA0), "α₀ = 2√(2β₀), printed 2.97", _PAPER),
+    "beta0": Parameter(_BETA0, "β₀ > 1", _PAPER),
+    "eta1": Parameter(0.2, "what the injection into x̂₃ has beyond k₁", _PAPER),
+    "eta2": Parameter(0.2, "what the injection into x̂₄ has beyond k₂", _PAPER),
+    "a_dual": Parameter(0.82, "the paper's a: 0 < a < 1/β₀", _PAPER, above=0),
+    "l0": Parameter(0.4, "constant part of the gain L", _PAPER, least=0),
+    "r00": Parameter(0.4, "constant rate of l_a", _PAPER, least=0),
+    "r01": Parameter(0.5, "constant rate of k₁", _PAPER, least=0),
+    "r02": Parameter(0.5, "constant rate of k₂", _PAPER, least=0),
+    "tau_a": Parameter(0.01, "time constant of the filters that give Δ̂ and û", _PAPER, above=0),
+    "eps_a0": Parameter(0.2, "margin of L", _CHOSEN + ": the paper gives no value", least=0),
+    "eps_a1": Parameter(0.2, "margin of k₁", _PAPER, least=0),
+    "eps_a2": Parameter(0.2, "margin of k₂", _PAPER, least=0),
+    "alpha_a1": Parameter(0.99, "part of k₁ that |û₁| may take", _PAPER, above=0),
+    "alpha_a2": Parameter(0.99, "part of k₂ that |û₂| may take", _PAPER, above=0),
+    "gamma_a0": Parameter(200.0, "growth of r_a0", _PAPER, least=0),
+    "gamma_a1": Parameter(300.0, "growth of r_a1", _PAPER, least=0),
+    "gamma_a2": Parameter(300.0, "growth of r_a2", _PAPER, least=0),
+    "delta00": Parameter(0.001, "dead zone of r_a0", _PAPER, least=0),
+    "delta01": Parameter(0.001, "dead zone of r_a1", _PAPER, least=0),
+    "delta02": Parameter(0.001, "dead zone of r_a2", _PAPER, least=0),
+    "delta_a": Parameter(0.01, "boundary layer of the smoothed sign", _PAPER, least=0),
+    "k_0": Parameter(0.2, "k₁ and k₂ at the start", _CHOSEN, least=0),
+    "L_min": Parameter(0.05, "guard: smallest gain L", _CHOSEN, above=0),
+    "k_max": Parameter(10.0, "guard: largest gain k_j", _CHOSEN, above=0),
+    "r_max": Parameter(20.0, "guard: largest second layer", _CHOSEN, above=0),
+    "leak": Parameter(0.0, "leak of the second layers; 5 is better under noise", _CHOSEN, least=0),
+    "m": MASS,
+    **START,
+}
+
+
+def adaptive_sliding_mode(curves: CurveSet = NGUYEN2019) -> Block:
+    """Inputs y1, y2, y3; seven estimates and six adaptive states."""
+    x = symbols("x1_hat x2_hat Delta_hat x3_hat u1_hat x4_hat u2_hat l_a r_a0 k_1 r_a1 k_2 r_a2")
+    u = symbols(MEASURED)
+    parameters = {**PARAMETERS, **per_muscle(curves.tendon)}
+    p = symbols(parameters)
+    e1, e3, e4 = output_errors(x, u, p, curves)
+    s1, s3, s4 = sg(e1, p.delta_a), sg(e3, p.delta_a), sg(e4, p.delta_a)
+
+    # first layer of x̂₁, x̂₂.  L = l₀ + l_a,  d₀ = L − |Δ̂|/(aβ₀) − ε_a0   [La], [deltaa0]
+    L = p.l0 + x.l_a
+    d0 = L - ca.fabs(x.Delta_hat) / (p.a_dual * p.beta0) - p.eps_a0
+    # l̇_a = −(r₀₀ + r_a0) sg(d₀)   [dotla], [rhoa0]; a projection at L_min
+    rate = -(p.r00 + x.r_a0) * sg(d0, p.delta_a)
+    free = 1 - (L <= p.L_min) * (rate < 0)
+    dl_a = free * rate
+    # ṙ_a0 = γ_a0|d₀| if |d₀| > δ₀₀ else 0   [dra0]
+    dr_a0 = free * _second_layer(x.r_a0, p.gamma_a0 * dead_zone(d0, p.delta00), p)
+
+    # α = α₀√L,  β = β₀L,  φ = −(L̇/L) e₁
+    L = ca.fmax(L, p.L_min)
+    alpha, beta, phi = p.alpha0 * ca.sqrt(L), p.beta0 * L, -dl_a / L * e1
+    dk_1, dr_a1, free1 = _gain(x.k_1, x.r_a1, x.u1_hat, 1, p)
+    dk_2, dr_a2, free2 = _gain(x.k_2, x.r_a2, x.u2_hat, 2, p)
+    k_1, k_2 = clamp(x.k_1, 0, p.k_max), clamp(x.k_2, 0, p.k_max)
+    dx = Symbols(
+        # x̂̇₁ = x̂₂ + α|e₁|^½ sg(e₁) − φ   [AO1a]
+        x1_hat=x.x2_hat + alpha * root(e1) * s1 - phi,
+        # x̂̇₂ = (y₃ − y₂)/m + β sg(e₁)   [AO1b], corrected
+        x2_hat=(u.y3 - u.y2) / p.m + beta * s1,
+        # τ_a Δ̂̇ = −Δ̂ + β sg(e₁)   [AO1c], corrected
+        Delta_hat=(-x.Delta_hat + beta * s1) / p.tau_a,
+        # x̂̇₃ = x̂₂ + (k₁ + η₁) sg(e₃)   [AO2a], corrected
+        x3_hat=x.x2_hat + (k_1 + p.eta1) * s3,
+        # τ_a û̇₁ = −û₁ + (k₁ + η₁) sg(e₃)   [AO2b], corrected
+        u1_hat=(-x.u1_hat + (k_1 + p.eta1) * s3) / p.tau_a,
+        # x̂̇₄ = −x̂₂ + (k₂ + η₂) sg(e₄)   [AO3a], corrected
+        x4_hat=-x.x2_hat + (k_2 + p.eta2) * s4,
+        # τ_a û̇₂ = −û₂ + (k₂ + η₂) sg(e₄)   [AO3b], corrected
+        u2_hat=(-x.u2_hat + (k_2 + p.eta2) * s4) / p.tau_a,
+        l_a=dl_a,
+        r_a0=dr_a0,
+        k_1=dk_1,
+        r_a1=dr_a1,
+        k_2=dk_2,
+        r_a2=dr_a2,
+    )
+    return Block(
+        "adaptive_sliding_mode",
+        x=x,
+        u=u,
+        p=p,
+        parameters=parameters,
+        dx=dx,
+        x0=Symbols(**start(p), k_1=p.k_0, k_2=p.k_0),
+        y=estimates(x),
+        guards=Symbols(
+            L_min=p.l0 + x.l_a <= p.L_min,
+            k1_limit=1 - free1,
+            k2_limit=1 - free2,
+            r_max=ca.fmax(x.r_a0, ca.fmax(x.r_a1, x.r_a2)) >= p.r_max,
+        ),
+    )
+
+
+def _gain(k: ca.SX, r: ca.SX, u_hat: ca.SX, j: int, p: Symbols) -> tuple[ca.SX, ca.SX, ca.SX]:
+    """k̇_j, ṙ_aj, and 0 where the projection holds k_j, else 1."""
+    # d_j = k_j − |û_j|/α_aj − ε_aj   [deltaa]
+    d = k - ca.fabs(u_hat) / p[f"alpha_a{j}"] - p[f"eps_a{j}"]
+    # k̇_j = −(r₀j + r_aj) sg(d_j)   [kj], [rhoaj]; a projection on [0, k_max]
+    rate = -(p[f"r0{j}"] + r) * sg(d, p.delta_a)
+    free = 1 - ca.fmax((k <= 0) * (rate < 0), (k >= p.k_max) * (rate > 0))
+    # ṙ_aj = γ_aj|d_j| if |d_j| > δ₀j else 0   [draj]
+    dr = free * _second_layer(r, p[f"gamma_a{j}"] * dead_zone(d, p[f"delta0{j}"]), p)
+    return free * rate, dr, free
+
+
+def _second_layer(r: ca.SX, growth: ca.SX, p: Symbols) -> ca.SX:
+    """The rate of a second layer: growth less leak, a projection at r_max."""
+    rate = growth - p.leak * r
+    return (1 - (r >= p.r_max) * (rate > 0)) * rate
+
+
+def conditions(p: Symbols, facts: Symbols) -> list[Condition]:
+    """What theorem [thm_ao], the dual-layer law and the integration step ask of the gains."""
+    positives = ("eta1", "eta2", "l0", "r00", "r01", "r02", "gamma_a0", "gamma_a1", "gamma_a2", "tau_a")
+    return [
+        above("β₀ > 1", p.beta0, 1),
+        equal("α₀ = 2√(2β₀)", p.alpha0, 2 * ca.sqrt(2 * p.beta0)),
+        *between("0 < a < 1/β₀", p.a_dual, 0, 1 / p.beta0),
+        *(c for j in (1, 2) for c in between(f"0 < α_a{j} < 1", p[f"alpha_a{j}"], 0, 1)),
+        *(positive(f"{name} > 0", p[name]) for name in (*positives, "eps_a0", "eps_a1", "eps_a2")),
+        *(
+            above(
+                f"ε_a{j}²/4 > δ₀{j}² + (q sup|{rate}|/α)²/γ_a{j} (dual layer)",
+                p[f"eps_a{j}"] ** 2 / 4,
+                p[f"delta0{j}"] ** 2 + (_Q * supremum / alpha) ** 2 / p[f"gamma_a{j}"],
+            )
+            for j, rate, supremum, alpha in (
+                (0, "Δ̇", facts.sup_dDelta, p.a_dual * p.beta0),
+                (1, "u̇₁", facts.sup_du1, p.alpha_a1),
+                (2, "u̇₂", facts.sup_du2, p.alpha_a2),
+            )
+        ),
+        below("h < 2δ_a/(k + η) (integration)", facts.h, 2 * p.delta_a / (p.k_0 + ca.fmax(p.eta1, p.eta2))),
+        below("h < 2τ_a (integration)", facts.h, 2 * p.tau_a),
+        below("(r₀ + r_max) h/δ_a < 2.78 (integration)", (p.r01 + p.r_max) * facts.h / p.delta_a, _RK4_LIMIT),
+    ]
+
+
+# |d|û|/dτ| ≤ q sup|u̇|, and the end of RK4's stability interval on the negative axis
+_Q, _RK4_LIMIT = 1.1, 2.78

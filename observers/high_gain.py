@@ -1,0 +1,63 @@
+"""The extended high-gain observer [HO1a]–[HO3b]: linear injections, the faster the smaller ε_h."""
+
+from __future__ import annotations
+
+from ..model.block import Block, Parameter, Symbols, symbols
+from ..model.curves import NGUYEN2019, CurveSet, per_muscle
+from ..model.skeleton import MASS
+from ..model.symbols import MEASURED
+from .conditions import Condition, above, between, positive
+from .ports import START, estimates, output_errors, start
+
+_PAPER = "paper, §V"
+
+PARAMETERS = {
+    "eps_h": Parameter(0.1, "ε_h: smaller is faster and noisier", _PAPER, above=0),
+    "h11": Parameter(3.0, "injection of e₁ into x̂₁", _PAPER),
+    "h12": Parameter(3.0, "injection of e₁ into x̂₂", _PAPER),
+    "h13": Parameter(1.0, "injection of e₁ into Δ̂", _PAPER),
+    "h21": Parameter(2.0, "injection of e₃ into x̂₃", _PAPER),
+    "h22": Parameter(1.0, "injection of e₃ into û₁", _PAPER),
+    "h31": Parameter(2.0, "injection of e₄ into x̂₄", _PAPER),
+    "h32": Parameter(1.0, "injection of e₄ into û₂", _PAPER),
+    "m": MASS,
+    **START,
+}
+
+
+def high_gain(curves: CurveSet = NGUYEN2019) -> Block:
+    """Inputs y1, y2, y3; seven states, which are the estimates."""
+    x = symbols("x1_hat x2_hat Delta_hat x3_hat u1_hat x4_hat u2_hat")
+    u = symbols(MEASURED)
+    parameters = {**PARAMETERS, **per_muscle(curves.tendon)}
+    p = symbols(parameters)
+    e1, e3, e4 = output_errors(x, u, p, curves)
+    eps = p.eps_h
+    dx = Symbols(
+        # x̂̇₁ = x̂₂ + h₁₁/ε e₁   [HO1a]
+        x1_hat=x.x2_hat + p.h11 / eps * e1,
+        # x̂̇₂ = (y₃ − y₂)/m + Δ̂ + h₁₂/ε² e₁   [HO1b]
+        x2_hat=(u.y3 - u.y2) / p.m + x.Delta_hat + p.h12 / eps**2 * e1,
+        # Δ̂̇ = h₁₃/ε³ e₁   [HO1c]
+        Delta_hat=p.h13 / eps**3 * e1,
+        # x̂̇₃ = x̂₂ + û₁ + h₂₁/ε e₃   [HO2a]
+        x3_hat=x.x2_hat + x.u1_hat + p.h21 / eps * e3,
+        # û̇₁ = h₂₂/ε² e₃   [HO2b]
+        u1_hat=p.h22 / eps**2 * e3,
+        # x̂̇₄ = −x̂₂ + û₂ + h₃₁/ε e₄   [HO3a]
+        x4_hat=-x.x2_hat + x.u2_hat + p.h31 / eps * e4,
+        # û̇₂ = h₃₂/ε² e₄   [HO3b]
+        u2_hat=p.h32 / eps**2 * e4,
+    )
+    return Block(
+        "high_gain", x=x, u=u, p=p, parameters=parameters, dx=dx, x0=start(p), y=estimates(x)
+    )
+
+
+def conditions(p: Symbols, facts: Symbols) -> list[Condition]:
+    """What theorem [thm_ho] and the integration step ask of the gains."""
+    return [
+        *between("0 < ε_h < 1", p.eps_h, 0, 1),
+        *(positive(f"{h} > 0", p[h]) for h in ("h11", "h12", "h13", "h21", "h22", "h31", "h32")),
+        above("s³ + h₁₁s² + h₁₂s + h₁₃ Hurwitz: h₁₁h₁₂ > h₁₃", p.h11 * p.h12, p.h13),
+    ]

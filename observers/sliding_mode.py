@@ -1,0 +1,76 @@
+"""The sliding mode observer [SO1a]–[SO3b]: super-twisting on e₁, first order on e₃ and e₄, smoothed sign."""
+
+from __future__ import annotations
+
+import casadi as ca
+
+from ..model.block import Block, Parameter, Symbols, symbols
+from ..model.curves import NGUYEN2019, CurveSet, per_muscle
+from ..model.dialect import root, sg
+from ..model.skeleton import MASS
+from ..model.symbols import MEASURED
+from .conditions import Condition, above, below
+from .ports import START, estimates, output_errors, start
+
+_PAPER = "paper, §V"
+
+PARAMETERS = {
+    "alpha11": Parameter(1.1, "injection of sg(e₁) into x̂₂", _PAPER),
+    "lambda11": Parameter(28.17, "injection of |e₁|^½ sg(e₁) into x̂₁", _PAPER),
+    "alpha2": Parameter(1.1, "injection of sg(e₃) into x̂₃", _PAPER),
+    "alpha3": Parameter(1.0, "injection of sg(e₄) into x̂₄", _PAPER),
+    "tau_s": Parameter(0.01, "time constant of the filters that give Δ̂ and û", _PAPER, above=0),
+    "delta_s": Parameter(0.01, "boundary layer of the smoothed sign", _PAPER + " [deltas]", least=0),
+    "m": MASS,
+    **START,
+}
+
+# the theorem's constants in the paper's choice of gains: |Δ_Φ| < f⁺, and p of [lambda11]
+_F_PLUS, _P = 1.0, 0.5
+
+
+def sliding_mode(curves: CurveSet = NGUYEN2019) -> Block:
+    """Inputs y1, y2, y3; seven states, which are the estimates."""
+    x = symbols("x1_hat x2_hat Delta_hat x3_hat u1_hat x4_hat u2_hat")
+    u = symbols(MEASURED)
+    parameters = {**PARAMETERS, **per_muscle(curves.tendon)}
+    p = symbols(parameters)
+    e1, e3, e4 = output_errors(x, u, p, curves)
+    # v₁₁ = λ₁₁|e₁|^½ sg(e₁)   [v11]
+    v11 = p.lambda11 * root(e1) * sg(e1, p.delta_s)
+    # v₁₂ = α₁₁ sg(e₁),  v₂ = α₂ sg(e₃),  v₃ = α₃ sg(e₄)   [v12]–[v3]
+    v12, v2, v3 = p.alpha11 * sg(e1, p.delta_s), p.alpha2 * sg(e3, p.delta_s), p.alpha3 * sg(e4, p.delta_s)
+    dx = Symbols(
+        # x̂̇₁ = x̂₂ + v₁₁   [SO1a]
+        x1_hat=x.x2_hat + v11,
+        # x̂̇₂ = (y₃ − y₂)/m + v₁₂   [SO1b]
+        x2_hat=(u.y3 - u.y2) / p.m + v12,
+        # τ_s Δ̂̇ = −Δ̂ + v₁₂   [SO1c]
+        Delta_hat=(-x.Delta_hat + v12) / p.tau_s,
+        # x̂̇₃ = x̂₂ + v₂   [SO2a]
+        x3_hat=x.x2_hat + v2,
+        # τ_s û̇₁ = −û₁ + v₂   [SO2b]
+        u1_hat=(-x.u1_hat + v2) / p.tau_s,
+        # x̂̇₄ = −x̂₂ + v₃   [SO3a]
+        x4_hat=-x.x2_hat + v3,
+        # τ_s û̇₂ = −û₂ + v₃   [SO3b]
+        u2_hat=(-x.u2_hat + v3) / p.tau_s,
+    )
+    return Block(
+        "sliding_mode", x=x, u=u, p=p, parameters=parameters, dx=dx, x0=start(p), y=estimates(x)
+    )
+
+
+def conditions(p: Symbols, facts: Symbols) -> list[Condition]:
+    """What theorem [thm_so] and the integration step ask of the gains."""
+    margin = p.alpha11 - _F_PLUS
+    bound = ca.sqrt(2 / margin) * (p.alpha11 + _F_PLUS) * (1 + _P) / (1 - _P)
+    largest = ca.fmax(p.alpha11, ca.fmax(p.alpha2, p.alpha3))
+    return [
+        above("α₁₁ > f⁺ [alpha11]", p.alpha11, _F_PLUS),
+        above("λ₁₁ > √(2/(α₁₁ − f⁺)) (α₁₁ + f⁺)(1 + p)/(1 − p) [lambda11]", p.lambda11, bound),
+        above("α₂ > U₁ₘ [alpha2]", p.alpha2, facts.U_m),
+        above("α₃ > U₂ₘ [alpha3]", p.alpha3, facts.U_m),
+        below("h < 2δ_s/α (integration)", facts.h, 2 * p.delta_s / largest),
+        below("h < 2τ_s (integration)", facts.h, 2 * p.tau_s),
+    ]
