@@ -30,6 +30,7 @@ MANIFEST_LIMIT = 1_000_000  # bytes
 ZIG_FOLDER = "hillobs-zig"
 
 _OURS = re.compile(r"([0-9a-f]{64})(?:\.json|\.lock|-[0-9a-f]{16}\.so|-\w+\.tmp)")
+_CLAIM = re.compile(rb'"sha256":"([0-9a-f]{64})","size":([0-9]{1,12}),')
 _UNWRITABLE = {errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOLCK, errno.ENOTSUP, errno.ETIMEDOUT}
 _POLL = 0.02  # seconds between two looks at a lock
 
@@ -45,7 +46,7 @@ class CacheWarning(UserWarning):
     """The cache was damaged or could not be used; the result is not affected."""
 
 
-class _Damaged(Exception):
+class _DamageError(Exception):
     """An entry is there, but not as it was written."""
 
 
@@ -61,7 +62,7 @@ def obtain(key: str, description: Mapping[str, object], make: Callable[[Path], P
     """
     folder = cache_folder()
     _sweep(folder)
-    with contextlib.suppress(_Damaged):
+    with contextlib.suppress(_DamageError):
         if library := find(folder, key, description):
             return library
     try:
@@ -84,17 +85,18 @@ def find(folder: Path, key: str, description: Mapping[str, object]) -> Path | No
     except FileNotFoundError:
         return None
     except OSError as error:
-        raise _Damaged(f"{manifest} cannot be read ({_words(error)})") from error
-    digest, size = _claim(manifest, text)
+        raise _DamageError(f"{manifest} cannot be read ({_words(error)})") from error
+    claim = _CLAIM.search(text)  # found, not parsed: the whole text must then be the one we would write
+    digest, size = (claim[1].decode(), int(claim[2])) if claim else ("", 0)
     if text != _manifest(key, description, digest, size):
-        raise _Damaged(f"{manifest} is not the manifest of this library")
+        raise _DamageError(f"{manifest} is not the manifest of this library")
     library = folder / _library_name(key, digest)
     try:
         content = _read(library, size)
     except OSError as error:
-        raise _Damaged(f"{library} cannot be read ({_words(error)})") from error
+        raise _DamageError(f"{library} cannot be read ({_words(error)})") from error
     if len(content) != size or hashlib.sha256(content).hexdigest() != digest:
-        raise _Damaged(f"{library} is not what was compiled")
+        raise _DamageError(f"{library} is not what was compiled")
     return library
 
 
@@ -230,20 +232,22 @@ def _sweep(folder: Path) -> None:
                     _remove(folder / name)
 
 
-def _make(folder: Path, key: str, description: Mapping[str, object], make: Callable[[Path], Path], patience: float) -> Path:
+def _make(
+    folder: Path, key: str, description: Mapping[str, object], make: Callable[[Path], Path], patience: float
+) -> Path:
     """Make and publish the entry, unless another process has done so while we waited."""
     damage = ""
     with _locked(folder / f"{key}.lock", patience):
         try:
             if library := find(folder, key, description):
                 return library
-        except _Damaged as error:
+        except _DamageError as error:
             damage = str(error)
         with _scratch(folder, key) as scratch:
             _publish(folder, scratch, key, description, make(scratch).read_bytes())
         try:
             library = find(folder, key, description)
-        except _Damaged as error:
+        except _DamageError as error:
             raise BuildError(f"The disk does not keep what is written to it: {error}.") from error
     if library is None:
         raise BuildError(f"{folder} was emptied while a library was built into it; run again.")
@@ -260,14 +264,8 @@ def _publish(folder: Path, scratch: Path, key: str, description: Mapping[str, ob
         write_new(scratch / name, data)
         os.replace(scratch / name, folder / name)
     with contextlib.suppress(OSError):  # some file systems cannot; what is lost then is found by its hash
-        _sync_folder(folder)
-
-
-def _sync_folder(folder: Path) -> None:
-    handle = os.open(folder, os.O_RDONLY | os.O_CLOEXEC)
-    try:
+        handle = os.open(folder, os.O_RDONLY | os.O_CLOEXEC)
         os.fsync(handle)
-    finally:
         os.close(handle)
 
 
@@ -282,29 +280,17 @@ def _manifest(key: str, description: Mapping[str, object], digest: str, size: in
     return text
 
 
-def _claim(manifest: Path, text: bytes) -> tuple[str, int]:
-    """Return hash and size of the library as the manifest claims them."""
-    try:
-        fields = json.loads(text)
-        digest, size = fields["sha256"], fields["size"]
-    except (ValueError, RecursionError, KeyError, TypeError) as error:
-        raise _Damaged(f"{manifest} cannot be read ({type(error).__name__})") from error
-    if not isinstance(digest, str) or not re.fullmatch("[0-9a-f]{64}", digest) or type(size) is not int:
-        raise _Damaged(f"{manifest} names no library")
-    return digest, size
-
-
 def _read(path: Path, limit: int) -> bytes:
     """Return the bytes of a regular file of ours that no one else may write."""
     handle = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
     with os.fdopen(handle, "rb") as file:
         info = os.fstat(handle)
         if not stat.S_ISREG(info.st_mode):
-            raise _Damaged(f"{path} is not a file")
+            raise _DamageError(f"{path} is not a file")
         if info.st_uid != os.geteuid() or info.st_mode & 0o022:
-            raise _Damaged(f"{path} could have been written by others")
+            raise _DamageError(f"{path} could have been written by others")
         if info.st_size > limit:
-            raise _Damaged(f"{path} has {info.st_size} bytes, more than {limit}")
+            raise _DamageError(f"{path} has {info.st_size} bytes, more than {limit}")
         return file.read(info.st_size + 1)
 
 

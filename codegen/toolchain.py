@@ -11,6 +11,7 @@ import selectors
 import shlex
 import shutil
 import signal
+import struct
 import subprocess
 import sys
 import time
@@ -18,6 +19,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
+from typing import IO, cast
 
 from . import cache
 from .cache import ABI, BuildError
@@ -30,16 +32,17 @@ FLAGS = (
 COMPILE_TIMEOUT = 300.0  # seconds
 KEPT_LINES, KEPT_BYTES = 20, 16_000  # of what a compiler prints
 
-compiled: list[str] = []  # SHA-free record of this process: the folder of each compile that was started
+compiled: list[Path] = []  # the scratch folder of each compile of this process: a second run must add none
 
 _SOURCE, _LIBRARY = "hillobs.cpp", "hillobs.so"
 _PATH_VARIABLES = ("CPATH", "CPLUS_INCLUDE_PATH", "LIBRARY_PATH", "COMPILER_PATH", "GCC_EXEC_PREFIX", "SDKROOT")
+_POLL = 0.02  # seconds between two looks at a silent compiler
 _INSTALL = "install one (`apt install g++`, or `pip install 'hillobs[compiler]'`) or name one in CXX"
 
 
 @dataclass(frozen=True)
 class Compiler:
-    """A C++ compiler that has answered: its command line, kind (gcc, clang, zig, unknown), version text, program."""
+    """A C++ compiler: its command line, kind (gcc, clang, zig, unknown), what it says of its version, its program."""
 
     command: tuple[str, ...]
     kind: str
@@ -50,16 +53,15 @@ class Compiler:
 def build(source: str, description: Mapping[str, object]) -> Path:
     """Return the verified library of `source`, one C++ translation unit, compiled unless the cache has it.
 
-    `description` is what the caller knows about the library: it is stored with it and must be met by it.
+    `description` is what the caller knows of it (names in array order, sizes); the manifest must say the same.
     """
     compiler = find_compiler()
-    parts = {"source": source, "description": description, **_circumstances(compiler)}
-    return cache.obtain(
-        cache.entry_key(parts),
-        description,
-        make=lambda folder: compile_library(source, folder, compiler),
-        patience=_timeout() + 60,
-    )
+    key = cache.entry_key({"source": source, "description": description, **_circumstances(compiler)})
+
+    def make(folder: Path) -> Path:
+        return compile_library(source, folder, compiler)
+
+    return cache.obtain(key, description, make, patience=_timeout() + 60)
 
 
 def find_compiler() -> Compiler:
@@ -69,29 +71,34 @@ def find_compiler() -> Compiler:
             try:
                 return _examine(shlex.split(given))
             except (ValueError, BuildError) as error:
-                raise BuildError(f"{variable}={given!r} names no working compiler: {error}") from error
-    candidates = [["g++"], ["clang++"], ["c++"]]
-    if importlib.util.find_spec("ziglang"):
-        candidates.append([sys.executable, "-P", "-m", "ziglang", "c++"])
-    for command in candidates:
+                raise BuildError(f"{variable}={given!r} is no working compiler: {error}") from error
+    for name in ("g++", "clang++", "c++"):
         with contextlib.suppress(BuildError):
-            return _examine(command)
-    raise BuildError(f"No C++ compiler was found: {_INSTALL}.")
+            return _examine([name])
+    return _wheel()
 
 
 def compile_library(
     source: str, output_folder: Path, compiler: Compiler, flags: Sequence[str] = (), timeout: float | None = None
 ) -> Path:
-    """Compile one C++ translation unit into a library in `output_folder`; `flags` follow our own, `timeout` in s."""
-    compiled.append(str(output_folder))
-    cache.write_new(output_folder / _SOURCE, source.encode())
+    """Return the library of one C++ translation unit, compiled in `output_folder`, an empty folder.
+
+    `flags` come after our own; `timeout` is in seconds, by default that of HILLOBS_COMPILE_TIMEOUT.
+    """
+    compiled.append(output_folder)
+    library = output_folder / _LIBRARY
     command = [*compiler.command, *_flags(compiler), *flags, "-o", _LIBRARY, _SOURCE, "-lm"]
-    code, output = _run(command, output_folder, _timeout() if timeout is None else timeout)
-    if code != 0:
-        raise BuildError(f"The compiler {_ending(code)}: {shlex.join(command)}\n{output}")
-    if reason := _incomplete(output_folder / _LIBRARY):
-        raise BuildError(f"The compiler reported success but {reason}: {shlex.join(command)}\n{output}")
-    return output_folder / _LIBRARY
+    own = {"TMPDIR": str(output_folder), "ZIG_LOCAL_CACHE_DIR": str(output_folder / "zig")}
+    shared = {"ZIG_GLOBAL_CACHE_DIR": str(output_folder.parent / cache.ZIG_FOLDER)}
+    try:
+        cache.write_new(output_folder / _SOURCE, source.encode())
+        code, output = _run(command, output_folder, _timeout() if timeout is None else timeout, own | shared)
+        problem = _ending(code) if code else _incomplete(library)
+    except OSError as error:
+        raise BuildError(f"Nothing can be compiled in {output_folder}: {error.strerror}.") from error
+    if problem:
+        raise BuildError(f"The compiler {problem}: {shlex.join(command)}\n{output}")
+    return library
 
 
 def _circumstances(compiler: Compiler) -> dict[str, object]:
@@ -101,7 +108,7 @@ def _circumstances(compiler: Compiler) -> dict[str, object]:
         "command": compiler.command,
         "flags": _flags(compiler),
         "version": compiler.version,
-        "size": compiler.path.stat().st_size,
+        "size": compiler.path.stat().st_size if compiler.path.is_file() else 0,
         "environment": [os.environ.get(name) for name in _PATH_VARIABLES],
         "packages": [_package_version(name) for name in ("hillobs", "casadi")],
         "platform": [sys.platform, *platform.libc_ver(), platform.mac_ver()[0]],
@@ -109,18 +116,26 @@ def _circumstances(compiler: Compiler) -> dict[str, object]:
     }
 
 
-def _examine(command: Sequence[str]) -> Compiler:
+def _examine(given: Sequence[str]) -> Compiler:
     """Return the compiler behind a command line, or raise with the reason why there is none."""
-    program = shutil.which(command[0])
+    program = shutil.which(given[0])
     if program is None:
-        raise BuildError(f"{command[0]!r} is not a program on the PATH; {_INSTALL}")
-    command = (os.path.abspath(program), *command[1:])
+        raise BuildError(f"there is no program {given[0]!r}; {_INSTALL}.")
+    command = (os.path.abspath(program), *given[1:])
     code, version = _run([*command, "--version"], Path("/"), _timeout())
-    if code != 0:
-        raise BuildError(f"{shlex.join(command)} --version {_ending(code)}\n{version}")
-    if "ziglang" in command:
-        version += f"\nziglang {_package_version('ziglang')}"
-    return Compiler(tuple(command), _kind(version), version, Path(program).resolve())
+    if code:
+        raise BuildError(f"{shlex.join(command)} --version {_ending(code)}.\n{version}")
+    return Compiler(command, _kind(version), version, Path(program).resolve())
+
+
+def _wheel() -> Compiler:
+    """Return the compiler of the `ziglang` wheel, whose version needs no start of it."""
+    found = importlib.util.find_spec("ziglang")
+    if found is None or found.origin is None:
+        raise BuildError(f"No C++ compiler was found: {_INSTALL}.")
+    # -P: a folder `ziglang` in the current one is not to be run
+    command = (sys.executable, "-P", "-m", "ziglang", "c++")
+    return Compiler(command, "zig", f"ziglang {_package_version('ziglang')}", Path(found.origin).with_name("zig"))
 
 
 def _kind(version: str) -> str:
@@ -131,18 +146,29 @@ def _kind(version: str) -> str:
 
 
 def _flags(compiler: Compiler) -> tuple[str, ...]:
-    """Return our flags; zig would build the C++ library first, a minute, for sources that need none of it."""
+    """Return our flags; zig would first build the C++ library, a minute for nothing: our sources use C headers."""
     return (*FLAGS, "-nostdlib++") if compiler.kind == "zig" else FLAGS
 
 
-def _run(command: Sequence[str], folder: Path, timeout: float) -> tuple[int, str]:
-    """Run a command in `folder`, in a session of its own; return its exit code and the last lines it printed."""
-    environment = {**os.environ, "LC_ALL": "C"}
+def _timeout() -> float:
+    """Return how long a compile may take, in seconds."""
+    given = os.environ.get("HILLOBS_COMPILE_TIMEOUT", "").strip()
+    if not given:
+        return COMPILE_TIMEOUT
+    if not re.fullmatch(r"[0-9]{1,9}(\.[0-9]{1,9})?", given) or float(given) == 0:
+        raise BuildError(f"HILLOBS_COMPILE_TIMEOUT must be a number of seconds above 0, not {given!r}.")
+    return float(given)
+
+
+def _run(
+    command: Sequence[str], folder: Path, timeout: float, variables: Mapping[str, str] | None = None
+) -> tuple[int, str]:
+    """Run a command in `folder` and a session of its own; return its exit code and the last lines it printed."""
     try:
         process = subprocess.Popen(
             command,
             cwd=folder,
-            env=environment,
+            env={**os.environ, **(variables or {}), "LC_ALL": "C"},
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
@@ -153,10 +179,77 @@ def _run(command: Sequence[str], folder: Path, timeout: float) -> tuple[int, str
         raise BuildError(f"{command[0]} cannot be started: {error.strerror}.") from error
     with process:
         try:
-            output = _listen(process, time.monotonic() + timeout)
-        except TimeoutError as error:
-            raise BuildError(f"{command[0]} took more than {timeout:g} s and was ended.") from error
+            output = _listen(process, timeout)
+        except subprocess.TimeoutExpired as error:
+            raise BuildError(f"{command[0]} took more than {timeout:g} s (HILLOBS_COMPILE_TIMEOUT).") from error
         finally:
             with contextlib.suppress(ProcessLookupError, PermissionError):
                 os.killpg(process.pid, signal.SIGKILL)
-        return process.wait(), output
+    return process.returncode, output
+
+
+def _listen(process: subprocess.Popen[bytes], timeout: float) -> str:
+    """Wait for a process and return its last lines; of what it prints no more than them is kept."""
+    deadline = time.monotonic() + timeout
+    stream = cast(IO[bytes], process.stdout).fileno()
+    kept = b""
+    with selectors.DefaultSelector() as selector:
+        selector.register(stream, selectors.EVENT_READ)
+        while (left := deadline - time.monotonic()) > 0:
+            if selector.select(_POLL):
+                piece = os.read(stream, 1 << 16)
+                kept = (kept + piece)[-KEPT_BYTES:]
+                if not piece:
+                    process.wait(left)
+                    break
+            elif process.poll() is not None:  # something it started keeps the stream open
+                break
+        else:
+            raise subprocess.TimeoutExpired(process.args, timeout)
+    return _last_lines(kept)
+
+
+def _last_lines(output: bytes) -> str:
+    """Return the last lines with every control character spelled out, so that a terminal does not obey them."""
+    lines = output.decode("utf-8", "replace").splitlines()[-KEPT_LINES:]
+    return "\n".join("".join(c if c.isprintable() else repr(c)[1:-1] for c in line.expandtabs()) for line in lines)
+
+
+def _ending(code: int) -> str:
+    if code > 0:
+        return f"failed with exit code {code}"
+    with contextlib.suppress(ValueError):
+        return f"was ended by {signal.Signals(-code).name}"
+    return f"was ended by signal {-code}"
+
+
+def _incomplete(library: Path) -> str:
+    """Return what is wrong with the file that a compiler left, or an empty text."""
+    try:
+        with library.open("rb") as file:
+            head, size = file.read(64), os.fstat(file.fileno()).st_size
+    except FileNotFoundError:
+        return "reported success but wrote no library"
+    if head[:4] in (b"\xcf\xfa\xed\xfe", b"\xca\xfe\xba\xbe"):  # Mach-O
+        return ""
+    if head[:4] != b"\x7fELF" or len(head) < 64:
+        return "reported success but what it wrote is not a library"
+    # the section table comes last: a file that holds all of it was not cut short
+    start, (entry, count) = int.from_bytes(head[40:48], sys.byteorder), struct.unpack("=HH", head[58:62])
+    return "" if start + entry * count <= size else "reported success but wrote only part of a library"
+
+
+def _package_version(name: str) -> str:
+    with contextlib.suppress(metadata.PackageNotFoundError):
+        return metadata.version(name)
+    return "unknown"
+
+
+def _cpu_features() -> list[str]:
+    """Return the sorted features of the first CPU; none where /proc does not tell."""
+    with contextlib.suppress(OSError):
+        for line in Path("/proc/cpuinfo").read_text("ascii", "replace").splitlines():
+            name, _, words = line.partition(":")
+            if name.strip() in ("flags", "Features"):
+                return sorted(set(words.split()))
+    return []

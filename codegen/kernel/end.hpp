@@ -1,0 +1,2 @@
+// End of what CasADi wrote.
+#pragma GCC diagnostic pop
