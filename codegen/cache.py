@@ -163,7 +163,10 @@ def _location() -> Path:
     with contextlib.suppress(OSError, UnicodeDecodeError):
         if (root / "build").is_dir() and 'name = "hillobs"' in (root / "pyproject.toml").read_text("utf-8"):
             return root / "build" / "cache"
-    return platformdirs.user_cache_path("hillobs")
+    try:
+        return platformdirs.user_cache_path("hillobs")
+    except RuntimeError:  # neither HOME nor an entry for the user
+        return Path("~/.cache/hillobs")
 
 
 def _distrust(folder: Path) -> str:

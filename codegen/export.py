@@ -23,7 +23,7 @@ class Source:
     functions: tuple[ca.Function, ...]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)  # one is itself: symbols have no equality
 class Loop:
     """A closed loop to export: the truth, its observers, the score of each, and what passes between them."""
 

@@ -61,7 +61,7 @@ Parameters = Mapping[str, Parameter]
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)  # one is itself: symbols have no equality
 class Block:
     """ẋ = f(t, x, u, p), y = h(t, x, u, p), every component a named scalar.
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import casadi as ca
@@ -14,7 +14,7 @@ from .symbols import MUSCLES
 Curve = Callable[[ca.SX, Symbols], ca.SX]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)  # one is itself: symbols have no equality
 class CurveSet:
     """The characteristic curves of a muscle, each a function of (argument, parameters)."""
 
@@ -29,6 +29,13 @@ class CurveSet:
     f: Curve  # force-length factor over fibre length
     g: Curve  # force factor over shortening velocity
     g_inv: Curve  # shortening velocity over force factor
+
+    def objection(self, values: Mapping[str, float]) -> str:
+        """Why these numbers of a tendon make no curve that rises, or an empty string."""
+        slope, limit = values["k"] * values["toe"], _STEEPEST * values["F_toe"]
+        if slope < limit:
+            return ""
+        return f"k·toe = {slope:.6g} must be below 2.5 F_toe = {limit:.6g}, or the tendon force does not rise in the toe"
 
     @property
     def parameters(self) -> Parameters:
@@ -62,6 +69,8 @@ FIBRE: Parameters = {
     "g_max": Parameter(1.5, "largest force factor while lengthening", _PAPER + "[gj]", above=1),
 }
 
+# A₃ = 10F − 4D > 0: the quintic rises on all of (0, 1)
+_STEEPEST = 2.5
 # below it (0 included) a tendon force is slack: it keeps Φ_S⁻¹ and its derivative finite at 0⁺
 _SLACK_FORCE = 1e-45
 # from the cube-root seed: three reach the last bit for the paper's tendon, five for every k ≥ 5

@@ -1,13 +1,14 @@
 """Plant, controller, three observers, noise and measures in plain NumPy and SciPy: the oracle of the tests.
 
-Written from the equations alone; imports nothing of the package and shares no code with it. Arrays carry the muscles (2) or
-the states (31) on the first axis and any number of runs or time points behind it. Parameters are a flat dict of paths, e.g.
-{"plant.m": 1.1, "high_gain.m": 1.0, "muscle1.k": 17.0}; what is not given keeps the paper's value.
+Written from the equations alone; imports nothing of the package and shares no code with it. Arrays carry the muscles (2)
+or the states (31) on the first axis and any number of runs or time points behind it. Parameters are a flat dict of paths,
+e.g. {"plant.m": 1.1, "high_gain.m": 1.0, "muscle1.k": 17.0}; what is not given keeps the paper's value.
 """
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -126,21 +127,21 @@ def curves_of(p: Parameters, consumer: str) -> Curves:
     )
 
 
-def Phi_S(L: Any, c: Curves = Curves()) -> Any:  # noqa: B008
+def Phi_S(L: Any, c: Curves = Curves()) -> Any:
     A3, A4, A5 = c.quintic
     s = (np.asarray(L, float) - c.L_slack) / c.toe
     # [PhiSj] Φ_S = 0 | s³(A₃ + s(A₄ + s A₅)) | F + k (L − L_slack − toe)
     return np.where(s < 0, 0.0, np.where(s < 1, s**3 * (A3 + s * (A4 + s * A5)), c.F_toe + c.k * c.toe * (s - 1)))
 
 
-def dPhi_S(L: Any, c: Curves = Curves()) -> Any:  # noqa: B008
+def dPhi_S(L: Any, c: Curves = Curves()) -> Any:
     A3, A4, A5 = c.quintic
     s = (np.asarray(L, float) - c.L_slack) / c.toe
     # Φ′_S = 0 | s²(3A₃ + s(4A₄ + 5s A₅))/toe | k
     return np.where(s < 0, 0.0, np.where(s < 1, s**2 * (3 * A3 + s * (4 * A4 + s * 5 * A5)) / c.toe, c.k))
 
 
-def Phi_S_inv(y: Any, c: Curves = Curves()) -> Any:  # noqa: B008
+def Phi_S_inv(y: Any, c: Curves = Curves()) -> Any:
     """Newton's method in s to the last bit; where it does not settle (unusual constants), bisection."""
     y = np.asarray(y, float)
     A3, A4, A5 = c.quintic
@@ -170,12 +171,12 @@ def Phi_P(L_C: Any) -> Any:
     return 8 * np.maximum(np.asarray(L_C, float) - 1, 0) ** 3
 
 
-def f(L_C: Any, c: Curves = Curves()) -> Any:  # noqa: B008
+def f(L_C: Any, c: Curves = Curves()) -> Any:
     # [fj] f = exp(−((L_C − 1)/W)²)
     return np.exp(-(((np.asarray(L_C, float) - 1) / c.W) ** 2))
 
 
-def g_inv(z: Any, c: Curves = Curves()) -> Any:  # noqa: B008
+def g_inv(z: Any, c: Curves = Curves()) -> Any:
     z = np.asarray(z, float)
     A, G = c.A_hill, c.g_max
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -183,7 +184,7 @@ def g_inv(z: Any, c: Curves = Curves()) -> Any:  # noqa: B008
         return np.where(z <= 1, (1 - z) / (1 + z / A), -A * (z - 1) * (G - 1) / ((A + 1) * (G - z)))
 
 
-def g(u: Any, c: Curves = Curves()) -> Any:  # noqa: B008
+def g(u: Any, c: Curves = Curves()) -> Any:
     u = np.asarray(u, float)
     A, G, v = c.A_hill, c.g_max, -u
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -248,7 +249,12 @@ def sensor_noise(p: Parameters, seeds: Sequence[int], samples: int) -> Array:
 def sine_reference(p: Parameters) -> Signal:
     o, a, w = (value(p, f"reference.{n}") for n in ("offset", "amplitude", "frequency"))
     # r = offset + amplitude sin ωτ, and ṙ, r̈, r‴
-    return lambda t: (o + a * np.sin(w * t), a * w * np.cos(w * t), -a * w**2 * np.sin(w * t), -a * w**3 * np.cos(w * t))
+    return lambda t: (
+        o + a * np.sin(w * t),
+        a * w * np.cos(w * t),
+        -a * w**2 * np.sin(w * t),
+        -a * w**3 * np.cos(w * t),
+    )
 
 
 def sine_uncertainty(p: Parameters) -> Signal:
@@ -354,7 +360,7 @@ class Model:
         return np.clip(u, -self.u_max, self.u_max)
 
     def drives(self, t: Any, x: Any, pulse: Any = 0.0) -> tuple[Array, Array, Array]:
-        """u of the plant with the pulse on u₁, the activation put in (NaN for the virtual drive), flags (low a, high a, low z, high z)."""
+        """u of the plant with the pulse on u₁; the activation put in, NaN for the virtual drive; the limits' flags."""
         if self.drive == "virtual":
             u, a, flags = self.control(t, x), np.full(np.shape(x[2:4]), np.nan), np.zeros((4, *x[2:4].shape), bool)
         else:
@@ -377,7 +383,7 @@ class Model:
         """Ẋ for X of shape (31, n), the held noise (3, n) and the held pulse."""
         d = np.empty_like(X)
         m, c = self.m["plant"], self.curves["plant"]
-        x1, x2, x34 = X[0], X[1], X[2:4]
+        x2, x34 = X[1], X[2:4]
         sign = np.array([[1.0], [-1.0]])
         F = Phi_S(x34, c)
         u, _, _ = self.drives(t, X[:4], pulse)
@@ -435,7 +441,7 @@ class Model:
         dr_0 = np.where(abs(d_0) > p["delta00"], p["gamma_a0"] * abs(d_0), 0.0) - p["leak"] * r_0
         dr_0 = np.where((r_0 >= p["r_max"]) & (dr_0 > 0), 0.0, dr_0)
         # L ≤ L_min and l̇_a < 0: l̇_a = ṙ_a0 = 0
-        held = (L <= p["L_min"]) & (dl < 0)
+        held = (p["L_min"] >= L) & (dl < 0)
         dl, dr_0 = np.where(held, 0.0, dl), np.where(held, 0.0, dr_0)
         d[25], d[26] = dl, dr_0
         # α = α₀√L⁺, β = β₀L⁺, φ = −(L̇/L⁺) e₁
@@ -541,7 +547,7 @@ def _dop853(model: Model, X0: Array, grid: Array | None, rtol: float, atol: floa
     jumps = {round(float(e) / h) * h for n in ("start", "stop") for e in np.atleast_1d(value(p, f"pulse.{n}"))}
     edges = sorted({0.0, T, *(e for e in jumps if 0 < e < T)})
     out, X = np.empty((31, t.size, 1)), X0[:, 0]
-    for a, b in zip(edges[:-1], edges[1:], strict=True):
+    for a, b in pairwise(edges):
         q, here = pulses(p, h, round(a / h)), (t >= a) & (t <= b)
         stops = np.union1d(t[here], b)
         s = solve_ivp(
@@ -594,7 +600,7 @@ def errors(run: Run, name: str) -> Array:
 
 
 def rmse(error: Array, t: Array, start: float = 2.0) -> Array:
-    """√mean of the squared error over all nodes in [start, T], both ends; axis −2 is time; NaN (masked) does not count."""
+    """√mean of the squared error over all nodes in [start, T], both ends; axis −2 is time; masked NaN do not count."""
     window = error[..., t >= start - 1e-9, :]
     count = (~np.isnan(window)).sum(-2)
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -628,7 +634,7 @@ def chattering(run: Run, name: str) -> Array:
 
 
 def baselines(run: Run) -> dict[str, Array]:
-    """RMSE of what needs no observer: Δ̂ = offset, x̂₂ = 0, û = 0 (every step), â from raw y with û = 0 (every sample)."""
+    """RMSE without an observer: Δ̂ = offset, x̂₂ = 0, û = 0 (every step), â from raw y with û = 0 (every sample)."""
     start, m, c = value(run.p, "score.start"), run.model, run.model.curves["plant"]
     truth = masked(run, run.truth)
     hold = round(value(run.p, "noise.period") / value(run.p, "step"))

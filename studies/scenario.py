@@ -1,0 +1,191 @@
+"""Scenarios: what is simulated, as TOML, checked leaf by leaf against the table of all numbers."""
+
+from __future__ import annotations
+
+import math
+import re
+import tomllib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from importlib import resources
+from numbers import Real
+from pathlib import Path
+
+from ..model.block import Parameter
+from ..model.curves import NGUYEN2019
+from ..model.pair import DRIVES
+from .table import ScenarioError, Table
+
+_SHIPPED = "hillobs.studies.scenarios"
+# the paper's two first, then the harder ones
+_ORDER = ("paper-clean", "paper-noisy", "challenge", "slack", "slack-deep", "activation")
+# a scenario has some hundred numbers; larger files are something else
+_LARGEST_FILE = 1_000_000
+_LARGEST_SEED = 2**64 - 1
+_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
+
+Value = float | str | bool
+Numbers = Mapping[str, float]
+
+# the keys of a scenario that are no numbers, and what they may be
+CHOICES: Mapping[str, tuple[str, ...]] = {"plant.drive": tuple(DRIVES), "muscle.curves": (NGUYEN2019.name,)}
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """A name, a sentence, the choices, and the numbers that differ from the defaults, by path."""
+
+    name: str
+    description: str = ""
+    seed: int = 0
+    choices: Mapping[str, str] = field(default_factory=dict)
+    given: Numbers = field(default_factory=dict)
+
+    @property
+    def drive(self) -> str:
+        """How the plant is driven."""
+        return self.choices.get("plant.drive", "virtual")
+
+
+def shipped() -> dict[str, str]:
+    """The scenarios that come with hillobs: name → TOML."""
+    files = [file for file in resources.files(_SHIPPED).iterdir() if file.name.endswith(".toml")]
+    texts = {file.name.removesuffix(".toml"): file.read_text(encoding="utf-8") for file in files}
+    return {name: texts[name] for name in sorted(texts, key=lambda name: (name not in _ORDER, _place(name), name))}
+
+
+def read(source: str | Path) -> tuple[str, dict[str, object]]:
+    """Name and content of a shipped scenario or of a TOML file. ScenarioError says what is wrong, and where."""
+    texts = shipped()
+    if isinstance(source, str) and source in texts:
+        return source, tomllib.loads(texts[source])
+    path = Path(source)
+    if path.suffix != ".toml":
+        raise ScenarioError(f"unknown scenario {str(source)!r}; there are {', '.join(texts)}, or name a .toml file")
+    return path.stem, _parse(path)
+
+
+def scenario(name: str, content: Mapping[str, object], changes: Mapping[str, Value], table: Table) -> Scenario:
+    """The scenario of a TOML document with `changes` (path → value) on top. ScenarioError names the wrong leaf."""
+    description, seed = "", 0
+    choices: dict[str, str] = {}
+    given: dict[str, float] = {}
+    for layer in (dict(_leaves(content)), changes):
+        numbers: dict[str, float] = {}
+        for path, value in layer.items():
+            if path == "description":
+                description = _text(path, value)
+            elif path == "seed":
+                seed = _seed(value)
+            elif path in CHOICES:
+                choices[path] = _choice(path, value)
+            else:
+                numbers[path] = _number(path, value, table)
+        # a group such as `muscle.k` first, so that `muscle1.k` of the same layer wins
+        for path in sorted(numbers, key=lambda path: -len(table.expand(path))):
+            given |= dict.fromkeys(table.expand(path), numbers[path])
+    return Scenario(name, description, seed, choices, given)
+
+
+def parse_change(text: str) -> tuple[str, Value]:
+    """`PATH=VALUE` as typed on a command line."""
+    path, equals, value = text.partition("=")
+    if not equals or not path:
+        raise ScenarioError(f"{text!r} is not PATH=VALUE, such as plant.m=1.2")
+    if path in CHOICES or path == "description":
+        return path, value
+    if not _NUMBER.fullmatch(value):
+        raise ScenarioError(f"{path} must be a number, not {value!r}")
+    return path, float(value) if path != "seed" else _whole(value)
+
+
+def _parse(path: Path) -> dict[str, object]:
+    try:
+        with path.open("rb") as file:
+            raw = file.read(_LARGEST_FILE + 1)
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) else str(error)
+        raise ScenarioError(f"{path}: cannot be read: {reason}") from error
+    if len(raw) > _LARGEST_FILE:
+        raise ScenarioError(f"{path}: larger than {_LARGEST_FILE} bytes, this is no scenario")
+    if raw.startswith(b"\xef\xbb\xbf"):
+        raise ScenarioError(f"{path}: begins with a byte-order mark (BOM); save it as UTF-8 without one")
+    try:
+        return tomllib.loads(raw.decode("utf-8"))
+    except UnicodeDecodeError as error:
+        line = raw.count(b"\n", 0, error.start) + 1
+        raise ScenarioError(f"{path}: line {line} is not valid UTF-8") from error
+    except tomllib.TOMLDecodeError as error:
+        raise ScenarioError(f"{path}: not valid TOML: {error}") from error
+    except RecursionError as error:
+        raise ScenarioError(f"{path}: nested too deeply to be a scenario") from error
+    except ValueError as error:  # a number with thousands of digits
+        raise ScenarioError(f"{path}: holds a value that cannot be read: {error}") from error
+
+
+def _leaves(content: Mapping[str, object]) -> Iterator[tuple[str, object]]:
+    """Path and value of each leaf of nested tables; an empty table is a leaf."""
+    stack: list[tuple[str, object]] = [(key, value) for key, value in reversed(content.items())]
+    while stack:
+        path, value = stack.pop()
+        if isinstance(value, dict) and value:
+            stack += [(f"{path}.{key}", inner) for key, inner in reversed(value.items())]
+        elif value != {}:
+            yield path, value
+
+
+def _number(path: str, value: object, table: Table) -> float:
+    parameter = table.paths[table.expand(path)[0]]
+    if isinstance(value, bool) or not isinstance(value, Real):
+        raise ScenarioError(f"{path} must be a number, not {_shown(value)}")
+    try:
+        number = float(value)
+    except OverflowError:
+        number = math.inf
+    if not math.isfinite(number):
+        raise ScenarioError(f"{path} must be a finite number, not {number}")
+    if objection := _out_of_bounds(number, parameter):
+        raise ScenarioError(f"{path} must be {objection}, not {number:.12g}")
+    return number
+
+
+def _out_of_bounds(number: float, parameter: Parameter) -> str:
+    bounds = (
+        (number > parameter.above, f"above {parameter.above:g}"),
+        (number >= parameter.least, f"at least {parameter.least:g}"),
+        (number < parameter.below, f"below {parameter.below:g}"),
+        (number <= parameter.most, f"at most {parameter.most:g}"),
+    )
+    return next((words for holds, words in bounds if not holds), "")
+
+
+def _choice(path: str, value: object) -> str:
+    if value not in CHOICES[path]:
+        raise ScenarioError(f"{path} must be one of {', '.join(CHOICES[path])}, not {_shown(value)}")
+    return str(value)
+
+
+def _text(path: str, value: object) -> str:
+    if not isinstance(value, str):
+        raise ScenarioError(f"{path} must be a text, not {_shown(value)}")
+    return value
+
+
+def _seed(value: object) -> int:
+    if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value <= _LARGEST_SEED:
+        raise ScenarioError(f"seed must be a whole number from 0 to 2⁶⁴ − 1, not {_shown(value)}")
+    return value
+
+
+def _whole(text: str) -> Value:
+    return int(text) if text.isdecimal() and len(text) <= len(str(_LARGEST_SEED)) else float(text)
+
+
+def _shown(value: object) -> str:
+    """A value as it would be written in TOML, cut short."""
+    text = {True: "true", False: "false"}.get(value, repr(value)) if isinstance(value, bool) else repr(value)
+    return text if len(text) <= 40 else f"{text[:37]}…"
+
+
+def _place(name: str) -> int:
+    return _ORDER.index(name) if name in _ORDER else len(_ORDER)
