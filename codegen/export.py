@@ -115,12 +115,12 @@ def _function_table(every: Sequence[ca.Function]) -> str:
         for way, sizes in (("in", _sizes(f.n_in(), f.numel_in)), ("out", _sizes(f.n_out(), f.numel_out))):
             lists.append(f"static const int {way}_{i}[] = {{{_list(sizes)}}};")
         rows.append(f'{{"{f.name()}", {f.name()}, {f.n_in()}, {f.n_out()}, in_{i}, out_{i}}}')
-    sizes = {
+    largest = {
         "MAX_ARGUMENTS": max(max(f.n_in(), f.n_out(), f.sz_arg(), f.sz_res()) for f in every),
         "MAX_WORK": max(1, *(max(f.sz_w(), f.sz_iw()) for f in every)),
     }
     table = "static const Function FUNCTIONS[] = {\n    " + ",\n    ".join(rows) + "};\n"
-    return "\n".join([*lists, table]) + _enumeration(sizes)
+    return "\n".join([*lists, table]) + _enumeration(largest)
 
 
 def _row(block: Block, table: Mapping[str, ca.Function]) -> str:

@@ -37,7 +37,7 @@ compiled: list[Path] = []  # the scratch folder of each compile of this process:
 _SOURCE, _LIBRARY = "hillobs.cpp", "hillobs.so"
 _PATH_VARIABLES = ("CPATH", "CPLUS_INCLUDE_PATH", "LIBRARY_PATH", "COMPILER_PATH", "GCC_EXEC_PREFIX", "SDKROOT")
 _POLL = 0.02  # seconds between two looks at a silent compiler
-_INSTALL = "install one (`apt install g++`, or `pip install 'hillobs[compiler]'`) or name one in CXX"
+_INSTALL = "Install one: `apt install g++`, or `pip install 'hillobs[compiler]'`."
 
 
 @dataclass(frozen=True)
@@ -66,16 +66,22 @@ def build(source: str, description: Mapping[str, object]) -> Path:
 
 def find_compiler() -> Compiler:
     """Return the compiler of CXX or CC, else g++, clang++ or c++, else the `ziglang` wheel."""
+    limit = _timeout()
     for variable in ("CXX", "CC"):
         if given := os.environ.get(variable, "").strip():
             try:
-                return _examine(shlex.split(given))
+                return _examine(shlex.split(given), limit)
             except (ValueError, BuildError) as error:
-                raise BuildError(f"{variable}={given!r} is no working compiler: {error}") from error
+                raise BuildError(f"{variable}={given!r} is no working compiler: {error} {_INSTALL}") from error
+    refusals = []
     for name in ("g++", "clang++", "c++"):
-        with contextlib.suppress(BuildError):
-            return _examine([name])
-    return _wheel()
+        try:
+            return _examine([name], limit)
+        except BuildError as error:
+            refusals.append(str(error))
+    if wheel := _wheel():
+        return wheel
+    raise BuildError(f"No C++ compiler was found. {' '.join(refusals)} {_INSTALL}")
 
 
 def compile_library(
@@ -116,23 +122,23 @@ def _circumstances(compiler: Compiler) -> dict[str, object]:
     }
 
 
-def _examine(given: Sequence[str]) -> Compiler:
+def _examine(given: Sequence[str], limit: float) -> Compiler:
     """Return the compiler behind a command line, or raise with the reason why there is none."""
     program = shutil.which(given[0])
     if program is None:
-        raise BuildError(f"there is no program {given[0]!r}; {_INSTALL}.")
+        raise BuildError(f"There is no program {given[0]!r}.")
     command = (os.path.abspath(program), *given[1:])
-    code, version = _run([*command, "--version"], Path("/"), _timeout())
+    code, version = _run([*command, "--version"], Path("/"), limit)
     if code:
-        raise BuildError(f"{shlex.join(command)} --version {_ending(code)}.\n{version}")
+        raise BuildError(f"{shlex.join(command)} --version {_ending(code)}. {version}")
     return Compiler(command, _kind(version), version, Path(program).resolve())
 
 
-def _wheel() -> Compiler:
+def _wheel() -> Compiler | None:
     """Return the compiler of the `ziglang` wheel, whose version needs no start of it."""
     found = importlib.util.find_spec("ziglang")
     if found is None or found.origin is None:
-        raise BuildError(f"No C++ compiler was found: {_INSTALL}.")
+        return None
     # -P: a folder `ziglang` in the current one is not to be run
     command = (sys.executable, "-P", "-m", "ziglang", "c++")
     return Compiler(command, "zig", f"ziglang {_package_version('ziglang')}", Path(found.origin).with_name("zig"))

@@ -1,1 +1,24 @@
-"""Observers for a pair of Hill muscles."""
+"""Observers for a pair of Hill muscles: states, unknown inputs and activations from a position and two forces."""
+
+from __future__ import annotations
+
+import importlib
+from importlib.metadata import version
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from .studies.simulate import simulate
+
+__version__ = version("hillobs")
+
+_PLACES = {"simulate": ".studies.simulate"}
+
+
+def __getattr__(name: str) -> object:
+    """Heavy modules are imported when they are first used."""
+    if name not in _PLACES:
+        raise AttributeError(f"module 'hillobs' has no attribute {name!r}; there are {', '.join(__all__)}")
+    return getattr(importlib.import_module(_PLACES[name], __name__), name)
+
+
+__all__ = ["__version__", "simulate"]

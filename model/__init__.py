@@ -1,0 +1,1 @@
+"""What the world does: the pair of muscles, its load, its controller, its sensors."""

@@ -7,7 +7,7 @@ from .reference import signal, sine
 
 # offset and amplitude per muscle: anti-phase about an equal co-contraction
 _DEFAULTS = {"activation1": (0.35, 0.1), "activation2": (0.35, -0.1)}
-_FREQUENCY = 1.0
+_FREQUENCY = 2.0
 
 
 def given_activations() -> Block:

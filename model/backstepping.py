@@ -15,7 +15,9 @@ _PAPER = "paper, §V"
 PARAMETERS = {
     "gamma": Parameter(1.0, "rate at which the force error w decays", _PAPER, above=0),
     "q": Parameter(10.0, "weight of the tracking error, Q = q I", _PAPER, above=0),
-    "R": Parameter(30.0, "weight of the force in the LQR problem behind K and P", "derived, docs/errata.md C7", above=0),
+    "R": Parameter(
+        30.0, "weight of the force in the LQR problem behind K and P", "derived, docs/errata.md C7", above=0
+    ),
     "k_c": Parameter(0.0, "gain of the pretension; 0 is the paper's law", "chosen, spec §5", least=0),
     "F_c": Parameter(0.2, "mean tendon force that the pretension holds", "chosen, spec §5", least=0),
     "u_max": Parameter(0.9, "limit of |u_j|", "chosen, spec §5", above=0, below=1),

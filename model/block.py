@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import casadi as ca
 
@@ -25,7 +26,9 @@ class Symbols(dict[str, ca.SX]):
 
     def part(self, name: str) -> Symbols:
         """The symbols named `name.…`, without that prefix."""
-        return Symbols({key.removeprefix(f"{name}."): value for key, value in self.items() if key.startswith(f"{name}.")})
+        return Symbols(
+            {key.removeprefix(f"{name}."): value for key, value in self.items() if key.startswith(f"{name}.")}
+        )
 
     def vector(self) -> ca.SX:
         """All entries as one column, in order (0 × 1 if there are none)."""
@@ -115,9 +118,10 @@ class Block:
                 if free := [s.name() for s in ca.symvar(expression) if s.element_hash() not in allowed]:
                     raise BlockError(f"{self.name}: {group}.{name} uses {', '.join(free)}, not among its own symbols")
 
-    def expressions(self) -> Iterable[tuple[str, Symbols]]:
-        """The groups that hold expressions, by field name."""
-        return ((group, getattr(self, group)) for group in ("x0", *_EXPRESSIONS))
+    def rewritten(self, change: Callable[[Symbols], Symbols], **fields: Any) -> Block:
+        """A copy with `change` applied to each group of expressions, and `fields` replaced."""
+        groups: dict[str, Any] = {group: change(getattr(self, group)) for group in ("x0", *_EXPRESSIONS)}
+        return replace(self, **{**groups, **fields})
 
 
 _EXPRESSIONS = ("y", "dx", "next", "per_step", "guards", "domain")

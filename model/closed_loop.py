@@ -33,7 +33,7 @@ def closed_loop(drive: str = "virtual", curves: CurveSet = NGUYEN2019, controlle
         **{f"sensors.{port}": source for port, source in measured.items()},
         **{f"sensors.{channel}": channel for channel in NOISE_CHANNELS},
     }
-    held = NOISE_CHANNELS
+    held = [*NOISE_CHANNELS]
     outputs = [*QUANTITIES, *TAUT, *MEASURED]
     if drive == "given":
         parts.append(given_activations())
@@ -73,4 +73,3 @@ def _names(wired: Block) -> dict[str, str]:
         elif (key in wired.x or key in wired.y) and (part in ("plant", "sensors") or key in _SIGNALS):
             names[key] = rest
     return names
-

@@ -35,7 +35,9 @@ class CurveSet:
         slope, limit = values["k"] * values["toe"], _STEEPEST * values["F_toe"]
         if slope < limit:
             return ""
-        return f"k·toe = {slope:.6g} must be below 2.5 F_toe = {limit:.6g}, or the tendon force does not rise in the toe"
+        return (
+            f"k·toe = {slope:.6g} must be below 2.5 F_toe = {limit:.6g}, or the tendon force does not rise in the toe"
+        )
 
     @property
     def parameters(self) -> Parameters:

@@ -39,32 +39,24 @@ def virtual_muscle(curves: CurveSet) -> Block:
 
 
 def activated_muscle(curves: CurveSet) -> Block:
-    """Driven by the activation a. Inputs L_m, dL_m, a; outputs as those of `virtual_muscle`."""
-    x, u, p, parameters = _muscle(curves, symbols("a"), {"z_max": ACTIVATION_LIMITS["z_max"]})
+    """Driven by the activation a, limited to [a_min, 1]. Inputs L_m, dL_m, a; outputs as those of `virtual_muscle`."""
+    x, u, p, parameters = _muscle(curves, symbols("a"), ACTIVATION_LIMITS)
+    a = clamp(u.a, p.a_min, 1)
     L_C = u.L_m - x.L_S
     Phi_S = curves.Phi_S(x.L_S, p)
     # z = (Φ_S − Φ_P)/(a f)   [z]
-    z = (Phi_S - curves.Phi_P(L_C, p)) / (u.a * ca.fmax(curves.f(L_C, p), _FORCE_FLOOR))
+    z = (Phi_S - curves.Phi_P(L_C, p)) / (a * ca.fmax(curves.f(L_C, p), _FORCE_FLOOR))
     # u = g⁻¹(z)   [gj]
     drive = curves.g_inv(clamp(z, 0, p.z_max), p)
-    guards = Symbols(z_limit=outside(z, 0, p.z_max))
-    return _block(x, u, p, parameters, Phi_S, L_C, drive=drive, a=u.a, guards=guards)
+    guards = Symbols(a_limit=outside(u.a, p.a_min, 1), z_limit=outside(z, 0, p.z_max))
+    return _block(x, u, p, parameters, Phi_S, L_C, drive=drive, a=a, guards=guards)
 
 
 def requested_activation(curves: CurveSet) -> Block:
-    """The controller's request u as an activation within [a_min, 1]. Inputs Phi_S, L_C, u; output a."""
-    u = symbols("Phi_S L_C u")
-    parameters = {**curves.parameters, "a_min": ACTIVATION_LIMITS["a_min"]}
-    p = symbols(parameters)
-    a = activation(u.Phi_S, u.L_C, u.u, curves, p)
-    return Block(
-        "request",
-        u=u,
-        p=p,
-        parameters=parameters,
-        y=Symbols(a=clamp(a, p.a_min, 1)),
-        guards=Symbols(a_limit=outside(a, p.a_min, 1)),
-    )
+    """The activation that the controller's request u asks for. Inputs Phi_S, L_C, u; output a, not yet limited."""
+    u, p = symbols("Phi_S L_C u"), symbols(curves.parameters)
+    y = Symbols(a=activation(u.Phi_S, u.L_C, u.u, curves, p))
+    return Block("request", u=u, p=p, parameters=curves.parameters, y=y)
 
 
 def _block(

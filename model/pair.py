@@ -6,7 +6,7 @@ import dataclasses
 
 from .block import Block, BlockError
 from .curves import NGUYEN2019, CurveSet, per_muscle
-from .muscle import activated_muscle, requested_activation, virtual_muscle
+from .muscle import ACTIVATION_LIMITS, activated_muscle, requested_activation, virtual_muscle
 from .skeleton import mass
 from .symbols import MUSCLES
 from .wiring import many, rename, wire
@@ -56,11 +56,9 @@ def _as_in_the_paper(wired: Block, curves: CurveSet) -> Block:
     for j, name in enumerate(MUSCLES, start=1):
         names |= {f"{name}.L_S": f"x{j + 2}", f"{name}.L_S0": f"x{j + 2}_0", f"{name}.L_C": f"L_C{j}"}
         names |= {f"{name}.{port}": f"{port}{j}" for port in ("Phi_S", "u", "a", "taut")}
-        names |= {f"{name}.z_max": "z_max", f"{name}.z_limit": f"z{j}_limit", f"request{j}.a_limit": f"a{j}_limit"}
-        for key in wired.parameters:
-            if key.startswith(f"request{j}."):
-                curve = key.removeprefix(f"request{j}.")
-                names[key] = curve if curve == "a_min" else f"{name}.{curve}"
+        names |= {f"{name}.{limit}": limit for limit in ACTIVATION_LIMITS}
+        names |= {f"{name}.{guard}_limit": f"{guard}{j}_limit" for guard in ("a", "z")}
+        names |= {f"request{j}.{key}": f"{name}.{key}" for key in curves.parameters}
     used = {*wired.x, *wired.y, *wired.p, *wired.guards, *wired.domain}
     outputs = ["x1", "x2", "x3", "x4", "Phi_S1", "Phi_S2", "u1", "u2", "a1", "a2", "taut1", "taut2"]
     plant = rename(wired, "plant", {old: new for old, new in names.items() if old in used}, outputs)

@@ -17,7 +17,7 @@ MOMENT_ARMS = (-1, 1)
 def lengths(q: ca.SX, C: ca.SX) -> list[ca.SX]:
     """L_m1, L_m2 of the pair at position q [Lmi2]."""
     # L_m = L₀ − Rᵀq,  L₀ = (0, C)
-    return [L0 - R * q for L0, R in zip((0, C), MOMENT_ARMS, strict=True)]
+    return [L0 - R * q for L0, R in zip((ca.SX(0), C), MOMENT_ARMS, strict=True)]
 
 
 def mass() -> Block:

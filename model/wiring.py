@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import difflib
 from collections.abc import Iterable, Mapping, Sequence
 
@@ -37,21 +36,31 @@ def wire(
     _check_names("source", sources, {**outputs, **own})
 
     resolved = _resolve(name, inputs, outputs, connections, own)
-    old, new = list(inputs.values()), [resolved[port] for port in inputs]
+    by = (list(inputs.values()), [resolved[port] for port in inputs])
+    held = frozenset(port for port, kind in external.items() if kind == "held")
+    return _side_by_side(name, parts).rewritten(lambda entries: _substitute(entries, by), u=own, held=held)
+
+
+def _side_by_side(name: str, parts: Sequence[Block]) -> Block:
+    """The parts in one Block, all inputs still open."""
 
     def gather(group: str) -> Symbols:
-        entries = {f"{part.name}.{key}": value for part in parts for key, value in getattr(part, group).items()}
-        return _substitute(Symbols(entries), (old, new))
+        return Symbols({f"{part.name}.{key}": value for part in parts for key, value in getattr(part, group).items()})
 
     return Block(
         name=name,
-        x=Symbols({f"{part.name}.{key}": value for part in parts for key, value in part.x.items()}),
-        u=own,
-        p=Symbols({f"{part.name}.{key}": value for part in parts for key, value in part.p.items()}),
+        x=gather("x"),
+        u=gather("u"),
+        p=gather("p"),
+        y=gather("y"),
+        dx=gather("dx"),
+        next=gather("next"),
+        per_step=gather("per_step"),
+        x0=gather("x0"),
         parameters={f"{part.name}.{key}": value for part in parts for key, value in part.parameters.items()},
-        held=frozenset(port for port, kind in external.items() if kind == "held"),
+        guards=gather("guards"),
+        domain=gather("domain"),
         parts=tuple(parts),
-        **{group: gather(group) for group in ("y", "dx", "next", "per_step", "x0", "guards", "domain")},
     )
 
 
@@ -79,31 +88,22 @@ def rename(block: Block, name: str, names: Mapping[str, str], outputs: Iterable[
             merged[1].append(kept)
         parameters.setdefault(new(key), block.parameters[key])
 
-    def renamed(group: str) -> Symbols:
-        return _substitute(Symbols({new(k): v for k, v in getattr(block, group).items()}), merged)
+    def renamed(entries: Symbols) -> Symbols:
+        return _substitute(Symbols({new(key): value for key, value in entries.items()}), merged)
 
-    y = renamed("y")
+    y = renamed(block.y)
     if outputs is not None:
         outputs = list(outputs)
         _check_names("output", outputs, y)
         y = Symbols({key: y[key] for key in outputs})
-    return dataclasses.replace(
-        block,
-        name=name,
-        x=renamed("x"),
-        p=p,
-        parameters=parameters,
-        y=y,
-        **{group: renamed(group) for group in ("dx", "next", "per_step", "x0", "guards", "domain")},
-    )
+    return block.rewritten(renamed, name=name, x=renamed(block.x), p=p, parameters=parameters, y=y)
 
 
 def _fresh(block: Block, name: str) -> Block:
     x, u, p = symbols(block.x), symbols(block.u), symbols(block.p)
     old = [*block.x.values(), *block.u.values(), *block.p.values()]
     new = [*x.values(), *u.values(), *p.values()]
-    changed = {group: _substitute(entries, (old, new)) for group, entries in block.expressions()}
-    return dataclasses.replace(block, name=name, x=x, u=u, p=p, **changed)
+    return block.rewritten(lambda entries: _substitute(entries, (old, new)), name=name, x=x, u=u, p=p)
 
 
 def _substitute(entries: Symbols, by: Substitution) -> Symbols:

@@ -53,9 +53,7 @@ def estimator(observer: Block, curves: CurveSet = NGUYEN2019) -> Block:
     external = {port: "t" if port == "t" else "held" if port in observer.held else "staged" for port in observer.u}
     wired = wire(observer.name, [observer, reconstruction], connections, external)
     every = [*wired.x, *wired.y, *wired.p, *wired.guards, *wired.domain]
-    return rename(
-        wired, observer.name, {key: key.partition(".")[2] for key in every}, [*ESTIMATES, *_ACTIVATIONS]
-    )
+    return rename(wired, observer.name, {key: key.partition(".")[2] for key in every}, [*ESTIMATES, *_ACTIVATIONS])
 
 
 def baseline_estimator(curves: CurveSet = NGUYEN2019) -> Block:

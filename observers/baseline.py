@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import casadi as ca
+
 from ..model.block import Block, Parameter, Symbols, symbols
 from ..model.curves import NGUYEN2019, CurveSet, per_muscle
 from ..model.symbols import MEASURED, MUSCLES
@@ -17,5 +19,6 @@ def baseline(curves: CurveSet = NGUYEN2019) -> Block:
     parameters = {**PARAMETERS, **per_muscle(curves.tendon)}
     p = symbols(parameters)
     L_S1, L_S2 = (curves.Phi_S_inv(u[y], p.part(muscle)) for y, muscle in zip(("y2", "y3"), MUSCLES, strict=True))
-    y = Symbols(x1_hat=u.y1, x2_hat=0, x3_hat=L_S1, x4_hat=L_S2, Delta_hat=p.Delta, u1_hat=0, u2_hat=0)
+    zero = ca.SX(0)
+    y = Symbols(x1_hat=u.y1, x2_hat=zero, x3_hat=L_S1, x4_hat=L_S2, Delta_hat=p.Delta, u1_hat=zero, u2_hat=zero)
     return Block("baseline", u=u, p=p, parameters=parameters, y=y)

@@ -49,9 +49,7 @@ def high_gain(curves: CurveSet = NGUYEN2019) -> Block:
         # û̇₂ = h₃₂/ε² e₄   [HO3b]
         u2_hat=p.h32 / eps**2 * e4,
     )
-    return Block(
-        "high_gain", x=x, u=u, p=p, parameters=parameters, dx=dx, x0=start(p), y=estimates(x)
-    )
+    return Block("high_gain", x=x, u=u, p=p, parameters=parameters, dx=dx, x0=start(p), y=estimates(x))
 
 
 def conditions(p: Symbols, facts: Symbols) -> list[Condition]:

@@ -56,9 +56,7 @@ def sliding_mode(curves: CurveSet = NGUYEN2019) -> Block:
         # τ_s û̇₂ = −û₂ + v₃   [SO3b]
         u2_hat=(-x.u2_hat + v3) / p.tau_s,
     )
-    return Block(
-        "sliding_mode", x=x, u=u, p=p, parameters=parameters, dx=dx, x0=start(p), y=estimates(x)
-    )
+    return Block("sliding_mode", x=x, u=u, p=p, parameters=parameters, dx=dx, x0=start(p), y=estimates(x))
 
 
 def conditions(p: Symbols, facts: Symbols) -> list[Condition]:

@@ -24,6 +24,8 @@ _LARGEST_FILE = 1_000_000
 _LARGEST_SEED = 2**64 - 1
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 
+_WHOLE = re.compile(r"[+-]?\d{1,20}", re.ASCII)
+
 Value = float | str | bool
 Numbers = Mapping[str, float]
 
@@ -125,11 +127,11 @@ def _parse(path: Path) -> dict[str, object]:
 
 def _leaves(content: Mapping[str, object]) -> Iterator[tuple[str, object]]:
     """Path and value of each leaf of nested tables; an empty table is a leaf."""
-    stack: list[tuple[str, object]] = [(key, value) for key, value in reversed(content.items())]
+    stack = list(content.items())[::-1]
     while stack:
         path, value = stack.pop()
         if isinstance(value, dict) and value:
-            stack += [(f"{path}.{key}", inner) for key, inner in reversed(value.items())]
+            stack += [(f"{path}.{key}", inner) for key, inner in value.items()][::-1]
         elif value != {}:
             yield path, value
 
@@ -178,7 +180,7 @@ def _seed(value: object) -> int:
 
 
 def _whole(text: str) -> Value:
-    return int(text) if text.isdecimal() and len(text) <= len(str(_LARGEST_SEED)) else float(text)
+    return int(text) if _WHOLE.fullmatch(text) else float(text)
 
 
 def _shown(value: object) -> str:

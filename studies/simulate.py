@@ -9,7 +9,6 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
-import casadi as ca
 import numpy as np
 import xarray as xr
 
@@ -72,9 +71,7 @@ class Prepared:
         return self.table.value(path, self.scenario.given)
 
 
-def prepare(
-    source: str | Path, observers: Sequence[str | Block] | None, changes: Mapping[str, Value]
-) -> Prepared:
+def prepare(source: str | Path, observers: Sequence[str | Block] | None, changes: Mapping[str, Value]) -> Prepared:
     """Everything of a run that can be wrong before it starts. ScenarioError says what is."""
     name, content = read(source)
     custom = tuple(block for block in observers or () if isinstance(block, Block))
@@ -281,7 +278,9 @@ def _explain(name: str, failure: Failure) -> str:
     at = f"at τ = {failure.time:g}"
     if failure.group == "domain":
         what = "fibre" if "L_C" in failure.name else "tendon"
-        return f"{name}: the {what} length {failure.name} reached 0 {at}: the mass is pulled beyond what a muscle can be"
+        return (
+            f"{name}: the {what} length {failure.name} reached 0 {at}: the mass is pulled beyond what a muscle can be"
+        )
     reason = (
         "the step is likely too large for the gains, try a smaller one"
         if name != "truth"

@@ -24,7 +24,9 @@ RUN: Mapping[str, Parameter] = {
     "step": Parameter(5e-4, "integration step of RK4; divides noise.period and record", _CHOSEN, above=0),
     "record": Parameter(0.01, "time between recorded points", _CHOSEN, above=0),
     "score.start": Parameter(2.0, "errors count from here on", "spec §9", least=0),
-    "noise.period": Parameter(0.005, "T_s, how long a noise sample is held; 0 switches the noise off", "paper", least=0),
+    "noise.period": Parameter(
+        0.005, "T_s, how long a noise sample is held; 0 switches the noise off", "paper", least=0
+    ),
     **{f"{name}.start": Parameter(0.0, f"{name} begins", _CHOSEN, least=0) for name in PULSES},
     **{f"{name}.stop": Parameter(0.0, f"{name} ends", _CHOSEN, least=0) for name in PULSES},
 }
@@ -84,8 +86,7 @@ class Table:
     def check(self, curves: CurveSet, given: Mapping[str, float]) -> None:
         """ScenarioError if the curves of any Block make no sense with these numbers."""
         for block in self.blocks:
-            prefixes = {path.rpartition(".")[0] for path in block_paths(block) if path.endswith(".L_slack")}
-            for prefix in sorted(prefixes):
+            for prefix in [path.removesuffix(".L_slack") for path in block_paths(block) if path.endswith(".L_slack")]:
                 numbers = {key: self.value(f"{prefix}.{key}", given) for key in curves.tendon}
                 if objection := curves.objection(numbers):
                     raise ScenarioError(f"{prefix}: {objection}")

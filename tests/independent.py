@@ -1,8 +1,8 @@
 """Plant, controller, three observers, noise and measures in plain NumPy and SciPy: the oracle of the tests.
 
-Written from the equations alone; imports nothing of the package and shares no code with it. Arrays carry the muscles (2)
-or the states (31) on the first axis and any number of runs or time points behind it. Parameters are a flat dict of paths,
-e.g. {"plant.m": 1.1, "high_gain.m": 1.0, "muscle1.k": 17.0}; what is not given keeps the paper's value.
+Written from the equations alone; imports nothing of the package and shares no code with it. Arrays carry the muscles
+(2) or the states (31) on the first axis and any number of runs or time points behind it. Parameters are a flat dict of
+paths, e.g. {"plant.m": 1.1, "high_gain.m": 1.0, "muscle1.k": 17.0}; what is not given keeps the paper's value.
 """
 
 from collections.abc import Callable, Mapping, Sequence

@@ -1,6 +1,6 @@
-"""The cache of compiled libraries: what is damaged is found before it is loaded, whatever stops a build leaves nothing partial.
+"""The cache of compiled libraries: damage is found before loading, and whatever stops a build leaves nothing partial.
 
-Most tests need no compiler: the `make` step writes a few bytes. Faults are injected by audit hooks, one process per case.
+No test here needs a compiler: the step that makes a library writes a few bytes. Audit hooks inject the faults.
 """
 
 import errno
@@ -17,7 +17,6 @@ import warnings
 from pathlib import Path
 
 import pytest
-
 from hillobs.codegen import cache
 from hillobs.codegen.cache import BuildError, CacheWarning
 
@@ -489,37 +488,40 @@ FAULT = """
         raise OSError(code, os.strerror(code))
 
     def forked(kind="", when=0):
+        armed = [kind] * bool(kind)
         if child := os.fork():
             return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
         seen = 0
 
         def hook(event, arguments):
             nonlocal seen
-            if kind and event in counted:
+            if armed and event in counted:
                 seen += 1
                 if seen == when:
                     fault(kind)
 
         sys.addaudithook(hook)
         try:
-            code = run()
+            code = run(armed)
         except KeyboardInterrupt:
             code = 130
         except BaseException:
             traceback.print_exc()
             code = 8
-        kind, reached = "", seen >= when
+        armed.clear()
+        reached = seen >= when
         atexit._run_exitfuncs()
         sys.stdout.flush()
         os._exit(code if reached else 77)
 
-    def run():
+    def run(armed):
         with warnings.catch_warnings(record=True):
             warnings.simplefilter("always")
             try:
                 path = cache.obtain(KEY, {"names": ["x"]}, make, 30)
             except cache.BuildError as error:
                 return 1
+        armed.clear()
         with open(path, "rb") as file:
             return 0 if file.read() == content else 9
 
@@ -661,7 +663,9 @@ def test_without_home_and_user_nothing_is_written_to_the_current_folder(tmp_path
 # locks, sweeping, cleaning
 
 
-HOLD = "import fcntl; file = open(sys.argv[1], 'a'); fcntl.flock(file, fcntl.LOCK_EX); print('held', flush=True); input()"
+HOLD = (
+    "import fcntl; file = open(sys.argv[1], 'a'); fcntl.flock(file, fcntl.LOCK_EX); print('held', flush=True); input()"
+)
 
 
 @pytest.fixture

@@ -1,0 +1,1 @@
+"""The hand-written C++ around the generated functions."""

@@ -1,0 +1,45 @@
+# Everything a fresh machine needs: Python ≥ 3.11 and a C++ compiler (or the extra `compiler`).
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+CODE := model observers codegen studies hillobs tests benchmarks
+
+.DEFAULT_GOAL := help
+.PHONY: help sim test check format lint types chaos bench clean
+
+help: ## show this help
+	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 10
+
+# installed once, and again whenever the dependencies change
+$(VENV)/.installed: pyproject.toml
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[dev]'
+	@mkdir -p $(VENV)/types/hillobs && for part in hillobs/*.py hillobs/py.typed model observers codegen studies; do \
+		ln -sfn "$(CURDIR)/$$part" $(VENV)/types/hillobs/; done
+	@touch $@
+
+sim: $(VENV)/.installed ## both of the paper's simulations, with all figures, into results/
+	$(BIN)/hillobs simulate
+
+test: $(VENV)/.installed ## all tests
+	$(BIN)/python -m pytest
+
+check: format lint types test ## what CI runs: format, lint, types, tests
+
+format: $(VENV)/.installed ## is the code formatted?
+	$(BIN)/ruff format --check $(CODE)
+
+lint: $(VENV)/.installed ## ruff's rules
+	$(BIN)/ruff check $(CODE)
+
+types: $(VENV)/.installed ## mypy, strict
+	cd $(VENV)/types && ../bin/mypy --config-file ../../pyproject.toml -p hillobs
+
+chaos: $(VENV)/.installed ## long fault injection: kills, full disks, races
+	$(BIN)/python -m pytest -m chaos -p no:cacheprovider
+
+bench: $(VENV)/.installed ## how fast the loop is, as ratios
+	$(BIN)/python benchmarks/loop.py
+
+clean: ## remove results, caches and compiled libraries
+	rm -rf results build/cache .setuptools .pytest_cache .mypy_cache .ruff_cache .hypothesis

@@ -1,0 +1,238 @@
+"""The command line: `hillobs simulate`, `show`, `list`, `figures`, `errata`, `info`, `clean`."""
+
+from __future__ import annotations
+
+import contextlib
+import sys
+import warnings
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, TextIO
+
+import click
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+# what a user's mistake raises; everything else is ours and shows its traceback
+_USAGE, _NUMERICAL, _INTERRUPTED = 2, 1, 130
+
+
+def main() -> None:
+    """Run the command line and exit: 0 done, 1 numbers failed, 2 wrong input, 130 interrupted."""
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="replace")
+    warnings.showwarning = _show_warning
+    try:
+        commands(standalone_mode=False)
+    except click.exceptions.Exit as done:
+        sys.exit(done.exit_code)
+    except click.ClickException as error:
+        _complain(error.format_message())
+        sys.exit(_USAGE)
+    except (click.Abort, KeyboardInterrupt):
+        sys.exit(_INTERRUPTED)
+    except BrokenPipeError:
+        _forget_stdout()
+        sys.exit(0)
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(package_name="hillobs", prog_name="hillobs")
+def commands() -> None:
+    """Observers for a pair of Hill muscles: states, unknown inputs and activations."""
+
+
+@commands.command()
+@click.argument("scenarios", nargs=-1, metavar="[SCENARIO|FILE.toml]...")
+@click.option("--observer", "observers", multiple=True, metavar="NAME", help="Only this observer; may be repeated.")
+@click.option("--set", "settings", multiple=True, metavar="PATH=VALUE", help="Change a number, e.g. plant.m=1.2.")
+@click.option("--seed", metavar="N", help="Seed of the measurement noise.")
+@click.option("--step", metavar="H", help="Integration step.")
+@click.option("--out", default="results", show_default=True, metavar="DIR", help="Where results are written.")
+@click.option("--no-figures", is_flag=True, help="Write no figures.")
+def simulate(
+    scenarios: tuple[str, ...],
+    observers: tuple[str, ...],
+    settings: tuple[str, ...],
+    seed: str | None,
+    step: str | None,
+    out: str,
+    no_figures: bool,
+) -> None:
+    """Simulate scenarios (the paper's two by default), print their measures, write results and figures."""
+    failed = False
+    with _user_errors():
+        from .files import save, writable_folder
+        from .report import failures
+        from .scenario import parse_change
+        from .simulate import prepare, simulate_prepared
+
+        changes = dict(parse_change(text) for text in settings)
+        for path, value in (("seed", seed), ("step", step)):
+            if value is not None:
+                changes |= dict([parse_change(f"{path}={value}")])
+        names = scenarios or ("paper-clean", "paper-noisy")
+        every = [prepare(name, list(observers) or None, changes) for name in names]
+        folder = writable_folder(Path(out))
+        for prepared in every:
+            name = prepared.scenario.name
+            with _progress(f"{name}: simulating") as advance:
+                dataset = simulate_prepared(prepared, advance)
+            _print_report(dataset)
+            written = save(dataset, folder)
+            if not no_figures:
+                from .figures import save_figures
+
+                with _progress(f"{name}: drawing") as advance:
+                    written += save_figures(dataset, folder, name)
+            click.echo(f"written: {', '.join(map(_shown, written))}\n")
+            for sentence in failures(dataset):
+                _complain(sentence)
+                failed = True
+    if failed:
+        sys.exit(_NUMERICAL)
+
+
+@commands.command()
+@click.argument("scenario")
+def show(scenario: str) -> None:
+    """Print SCENARIO as a complete, commented TOML file to start from."""
+    with _user_errors():
+        from .show import show as text
+
+        click.echo(text(scenario), nl=False)
+
+
+@commands.command(name="list")
+@click.argument("what", type=click.Choice(["all", "scenarios", "observers", "curves", "parameters"]), default="all")
+def list_(what: str) -> None:
+    """List scenarios, observers, curve sets, or parameters with default, unit and meaning."""
+    with _user_errors():
+        from .listing import listing
+
+        for line in listing(what):
+            click.echo(line)
+
+
+@commands.command()
+@click.argument("result", type=click.Path(path_type=Path))
+@click.option("--out", type=click.Path(path_type=Path), help="Where figures are written; beside RESULT by default.")
+def figures(result: Path, out: Path | None) -> None:
+    """Draw the figures of RESULT.nc again, without a run."""
+    with _user_errors():
+        from .figures import save_figures
+        from .files import load, writable_folder
+
+        dataset = load(result)
+        written = save_figures(dataset, writable_folder(out or result.parent), result.stem)
+        click.echo(f"written: {', '.join(map(_shown, written))}")
+
+
+@commands.command()
+def errata() -> None:
+    """Run the controller and the adaptive observer as printed beside the corrected ones."""
+    with _user_errors():
+        from rich.console import Console
+
+        from .errata import errata as study
+        from .errata import tables
+
+        with _progress("errata") as advance:
+            results = study(advance)
+        console = Console()
+        for table in tables(results):
+            console.print(table)
+            console.print()
+
+
+@commands.command()
+def info() -> None:
+    """Show versions, compiler, CPU and cache."""
+    with _user_errors():
+        from .listing import information
+
+        for line in information():
+            click.echo(line)
+
+
+@commands.command()
+def clean() -> None:
+    """Empty the cache of compiled libraries."""
+    with _user_errors():
+        from ..codegen.cache import clean_cache
+
+        removed = clean_cache()
+        click.echo(f"removed {len(removed)} files" if removed else "the cache was empty")
+
+
+def _print_report(dataset: xr.Dataset) -> None:
+    from rich.console import Console
+
+    from .report import notes, tables
+
+    click.echo(f"{dataset.attrs['scenario']}, seed {dataset.attrs['seed']}: {dataset.attrs['description']}\n")
+    console = Console()
+    for title, table in tables(dataset):
+        click.echo(title)
+        console.print(table)
+        click.echo()
+    for note in notes(dataset):
+        click.echo(note)
+
+
+@contextlib.contextmanager
+def _progress(what: str) -> Iterator[Callable[[float], None]]:
+    """A progress bar on the terminal's error stream; nothing where there is no terminal."""
+    from rich.console import Console
+    from rich.progress import Progress
+
+    with Progress(console=Console(stderr=True), transient=True, disable=not sys.stderr.isatty()) as progress:
+        task = progress.add_task(what, total=1.0)
+        yield lambda done: progress.update(task, completed=done)
+
+
+@contextlib.contextmanager
+def _user_errors() -> Iterator[None]:
+    """A user's mistake as one sentence and exit code 2."""
+    from ..codegen.cache import BuildError
+    from ..model.block import BlockError
+    from .files import ResultError
+    from .table import ScenarioError
+
+    try:
+        yield
+    except (ScenarioError, ResultError, BuildError, BlockError) as error:
+        _complain(str(error))
+        sys.exit(_USAGE)
+
+
+def _show_warning(
+    message: Warning | str,
+    category: type[Warning],
+    filename: str,
+    lineno: int,
+    file: TextIO | None = None,
+    line: str | None = None,
+) -> None:
+    _complain(f"warning: {message}")
+
+
+def _complain(sentence: str) -> None:
+    """A sentence on the error stream; file names cannot smuggle control characters into a terminal."""
+    click.echo(f"hillobs: {_escaped(sentence)}", err=True)
+
+
+def _shown(path: Path) -> str:
+    return _escaped(str(path))
+
+
+def _escaped(text: str) -> str:
+    return "".join(c if c.isprintable() or c == "\n" else c.encode("unicode_escape").decode() for c in text)
+
+
+def _forget_stdout() -> None:
+    """The reader is gone: what is left in the buffer must not raise at exit."""
+    with contextlib.suppress(OSError):
+        sys.stdout.close()

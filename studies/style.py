@@ -1,0 +1,66 @@
+"""How the figures look: one line style per observer wherever it appears, and the settings for print."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ..observers import OBSERVERS
+
+Style = dict[str, object]
+
+COLUMN = 3.4  # inches, one column of a two-column page
+PAGE = 7.0
+
+TRUE: Style = {"color": "black", "linestyle": (0, (4, 2.5)), "linewidth": 0.9, "zorder": 5}
+REFERENCE: Style = {"color": "#AA4499", "linestyle": "-", "linewidth": 1.8, "zorder": 3}
+MEASURED: Style = {"color": "0.72", "linestyle": "-", "linewidth": 0.5, "zorder": 2}
+SLACK: Style = {"facecolor": "0.9", "edgecolor": "none", "zorder": 0}
+
+# Okabe and Ito's colours; widths, dashes and lightness keep them apart in grey too
+_OBSERVERS: tuple[Style, ...] = (
+    {"color": "#0072B2", "linestyle": "-", "linewidth": 1.0},
+    {"color": "#E69F00", "linestyle": "-", "linewidth": 1.6},
+    {"color": "#009E73", "linestyle": (0, (6, 1.2, 1.2, 1.2)), "linewidth": 1.1},
+    {"color": "#CC79A7", "linestyle": (0, (2.5, 1)), "linewidth": 1.3},
+    {"color": "#D55E00", "linestyle": (0, (1, 0.8)), "linewidth": 1.2},
+    {"color": "#56B4E9", "linestyle": (0, (9, 1.5)), "linewidth": 1.4},
+)
+# wide lines lie below, then solid ones, so that dashes on top show what they cover
+_ORDER = (3.0, 2.0, 4.0, 3.8, 4.2, 2.5)
+
+RC: dict[str, object] = {
+    "font.family": "STIXGeneral",
+    "mathtext.fontset": "stix",
+    "font.size": 9,
+    "axes.labelsize": 9,
+    "xtick.labelsize": 8,
+    "ytick.labelsize": 8,
+    "legend.fontsize": 8,
+    "legend.frameon": False,
+    "legend.handlelength": 2.8,
+    "axes.linewidth": 0.6,
+    "axes.formatter.useoffset": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": "0.85",
+    "grid.linewidth": 0.4,
+    "xtick.direction": "in",
+    "ytick.direction": "in",
+    "lines.solid_joinstyle": "round",
+    "lines.dash_joinstyle": "round",
+    "lines.dash_capstyle": "butt",
+    "savefig.dpi": 300,
+    "pdf.fonttype": 42,  # TrueType: journals refuse Type 3
+}
+
+
+def observer_styles(names: Sequence[str]) -> dict[str, Style]:
+    """The line of each observer: by its place in the registry; others follow in the order given."""
+    known = [*OBSERVERS, *(name for name in names if name not in OBSERVERS)]
+    place = {name: known.index(name) % len(_OBSERVERS) for name in names}
+    return {name: {**_OBSERVERS[i], "zorder": _ORDER[i]} for name, i in place.items()}
+
+
+def observer_label(name: str) -> str:
+    """What figures call the observer."""
+    return OBSERVERS[name].label if name in OBSERVERS else name
