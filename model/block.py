@@ -118,10 +118,10 @@ class Block:
                 if free := [s.name() for s in ca.symvar(expression) if s.element_hash() not in allowed]:
                     raise BlockError(f"{self.name}: {group}.{name} uses {', '.join(free)}, not among its own symbols")
 
-    def rewritten(self, change: Callable[[Symbols], Symbols], **fields: Any) -> Block:
+    def rewritten(self, change: Callable[[Symbols], Symbols], **fields: object) -> Block:
         """A copy with `change` applied to each group of expressions, and `fields` replaced."""
-        groups: dict[str, Any] = {group: change(getattr(self, group)) for group in ("x0", *_EXPRESSIONS)}
-        return replace(self, **{**groups, **fields})
+        changed: dict[str, Any] = {group: change(getattr(self, group)) for group in ("x0", *_EXPRESSIONS)}
+        return replace(self, **{**changed, **fields})
 
 
 _EXPRESSIONS = ("y", "dx", "next", "per_step", "guards", "domain")

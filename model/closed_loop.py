@@ -16,7 +16,9 @@ from .wiring import rename, wire
 
 NOISE_CHANNELS = ("w1", "w2", "w3")
 TAUT = ("taut1", "taut2")
-_SIGNALS = ("uncertainty.Delta", "reference.r")
+# parameters of these parts are known by other names, signals of those without the part's
+_PREFIXES = {"sensors": "noise.", "pulses": "", "activations": ""}
+_BARE = ("plant", "sensors", "uncertainty", "reference")
 
 
 def closed_loop(drive: str = "virtual", curves: CurveSet = NGUYEN2019, controller: Block | None = None) -> Block:
@@ -54,22 +56,20 @@ def closed_loop(drive: str = "virtual", curves: CurveSet = NGUYEN2019, controlle
             "plant.u2": "controller.u2",
         }
     wired = wire("truth", parts, connections, {"t": "t", **dict.fromkeys(held, "held")})
-    return rename(wired, "truth", {old: new for old, new in _names(wired).items() if old != new}, outputs)
+    return rename(wired, "truth", _names(wired), outputs)
 
 
 def _names(wired: Block) -> dict[str, str]:
-    """Composite names as paths of a scenario (spec §8): `plant.x1` → `x1`, `sensors.force` → `noise.force` …"""
-    names = {f"plant.{x}_0": f"initial.{x}" for x in STATES if f"plant.{x}_0" in wired.p}
-    for key in (*wired.y, *wired.x, *wired.p):
+    """Composite names as the paths of a scenario: `plant.x1` → `x1`, `sensors.force` → `noise.force`, …."""
+    names = {}
+    for key in wired.p:
         part, _, rest = key.partition(".")
-        if key in names:
-            continue
-        if part == "sensors" and key in wired.p:
-            names[key] = f"noise.{rest}"
-        elif part in ("pulses", "activations") and key in wired.p:
+        if part in _PREFIXES:
+            names[key] = _PREFIXES[part] + rest
+        elif part == "plant" and rest.startswith("muscle"):
             names[key] = rest
-        elif part == "plant" and rest.startswith("muscle") and key in wired.p:
+    for key in (*wired.x, *wired.y):
+        part, _, rest = key.partition(".")
+        if part in _BARE:
             names[key] = rest
-        elif (key in wired.x or key in wired.y) and (part in ("plant", "sensors") or key in _SIGNALS):
-            names[key] = rest
-    return names
+    return {**names, **{f"plant.{x}_0": f"initial.{x}" for x in STATES}}

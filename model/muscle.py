@@ -35,7 +35,9 @@ def virtual_muscle(curves: CurveSet) -> Block:
     Phi_S = curves.Phi_S(x.L_S, p)
     a = activation(Phi_S, L_C, u.u, curves, p)
     # L̇_S = L̇_m + u   [lsdot1], [lsdot2]
-    return _block(x, u, p, parameters, Phi_S, L_C, drive=u.u, a=a, guards=Symbols())
+    return _block(
+        x, u, p, parameters, Phi_S, L_C, drive=u.u, a=a, guards=Symbols(a_infeasible=(Phi_S > 0) * outside(a, 0, 1))
+    )
 
 
 def activated_muscle(curves: CurveSet) -> Block:

@@ -46,7 +46,7 @@ def pair(drive: str = "virtual", curves: CurveSet = NGUYEN2019) -> Block:
                 f"{request.name}.L_C": f"{name}.L_C",
                 f"{request.name}.u": f"u{j}",
             }
-    external = {name: "staged" for name in ("Delta", f"{outside}1", f"{outside}2")}
+    external = dict.fromkeys(("Delta", f"{outside}1", f"{outside}2"), "staged")
     return _as_in_the_paper(wire("plant", parts, connections, external), curves)
 
 
@@ -57,7 +57,7 @@ def _as_in_the_paper(wired: Block, curves: CurveSet) -> Block:
         names |= {f"{name}.L_S": f"x{j + 2}", f"{name}.L_S0": f"x{j + 2}_0", f"{name}.L_C": f"L_C{j}"}
         names |= {f"{name}.{port}": f"{port}{j}" for port in ("Phi_S", "u", "a", "taut")}
         names |= {f"{name}.{limit}": limit for limit in ACTIVATION_LIMITS}
-        names |= {f"{name}.{guard}_limit": f"{guard}{j}_limit" for guard in ("a", "z")}
+        names |= {f"{name}.{guard}": f"{guard[0]}{j}{guard[1:]}" for guard in ("a_limit", "a_infeasible", "z_limit")}
         names |= {f"request{j}.{key}": f"{name}.{key}" for key in curves.parameters}
     used = {*wired.x, *wired.y, *wired.p, *wired.guards, *wired.domain}
     outputs = ["x1", "x2", "x3", "x4", "Phi_S1", "Phi_S2", "u1", "u2", "a1", "a2", "taut1", "taut2"]

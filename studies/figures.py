@@ -6,10 +6,9 @@ import io
 import json
 import os
 import secrets
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 import casadi as ca
 import matplotlib
@@ -17,8 +16,8 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from numpy.typing import NDArray
 
 from ..codegen.library import Array
 from ..model.block import Symbols
@@ -85,33 +84,145 @@ def reference(dataset: xr.Dataset) -> Figure:
     else:
         _line(axes, time, measured, style.MEASURED, symbol["y1"])
         _line(axes, time, position, style.TRUE, symbol["x1"])
-    _time_axis(axes, 0, time[-1])
-    axes.set_ylabel(", ".join(symbol[name] for name in ("r", "y1") if name in dataset or name == "y1"))
+    _set_time(axes, 0, time[-1])
+    axes.set_xlabel(SIGNALS["t"].symbol)
+    axes.set_ylabel(symbol["y1"] if "r" not in dataset else f"{symbol['r']}, {symbol['y1']}")
     figure.legend(loc="outside upper center", ncols=3)
     return figure
 
 
 def estimates(dataset: xr.Dataset, quantities: Sequence[str]) -> Figure:
-    """True value and estimates, a row per quantity; the start has a column of its own where it hides the rest."""
+    """True values and estimates, a row per quantity; where the start hides the rest it gets a column of its own."""
     time, end = _time(dataset), start(dataset)
-    rest = {quantity: _limits(dataset, quantity, time >= end) for quantity in quantities}
-    whole = {quantity: _limits(dataset, quantity, time >= 0) for quantity in quantities}
-    hidden = [q for q in quantities if np.ptp(whole[q]) > _HIDES * np.ptp(rest[q])]
+    whole = {quantity: _range(dataset, quantity, time >= 0) for quantity in quantities}
+    later = {quantity: _range(dataset, quantity, time >= end) for quantity in quantities}
+    hidden = [quantity for quantity in quantities if np.ptp(whole[quantity]) > _HIDES * np.ptp(later[quantity])]
     spans = [(0.0, end), (end, time[-1])] if hidden else [(0.0, time[-1])]
     figure = Figure(figsize=(style.PAGE, 0.7 + _ROW * len(quantities)), layout="constrained")
-    grid = figure.subplots(
-        len(quantities), len(spans), sharex="col", squeeze=False, width_ratios=[1, 2] if hidden else [1]
-    )
-    for quantity, row in zip(quantities, grid, strict=True):
+    rows = figure.subplots(len(quantities), len(spans), sharex="col", squeeze=False, width_ratios=[1, 2][-len(spans) :])
+    for quantity, row in zip(quantities, rows, strict=True):
         for axes, span in zip(row, spans, strict=True):
-            _draw(axes, dataset, quantity)
+            _panel(axes, dataset, quantity)
             axes.set_ylim(whole[quantity])
-            _time_axis(axes, *span)
+            _set_time(axes, *span)
         if quantity in hidden:
-            row[-1].set_ylim(rest[quantity])
+            row[-1].set_ylim(later[quantity])
         row[0].set_ylabel(SIGNALS[quantity].symbol)
-    for axes in grid.flat:
-        axes.label_outer(remove_inner_ticks=False) if False else None
-    figure.align_ylabels(grid[:, 0])
-    _legend(figure, dataset, grid[0, 0], any(slack(dataset, quantity).any() for quantity in quantities))
+    for axes in rows[-1]:
+        axes.set_xlabel(SIGNALS["t"].symbol)
+    _legend(figure, rows[0, 0], any(slack(dataset, quantity).any() for quantity in quantities))
     return figure
+
+
+def _panel(axes: Axes, dataset: xr.Dataset, quantity: str) -> None:
+    """The true value, the estimates and the slack of one quantity."""
+    time, loose = _time(dataset), slack(dataset, quantity)
+    for begin, stop in _episodes(loose):
+        axes.axvspan(time[begin], time[stop], **style.SLACK)
+    # a slack tendon leaves the activation undetermined, 0/0
+    true = series(dataset, quantity).where(~loose if quantity.startswith("a") else True)
+    _line(axes, time, np.asarray(true), style.TRUE, "true")
+    styles = style.observer_styles(dataset["observer"].values.tolist())
+    for name, look in styles.items():
+        _line(axes, time, np.asarray(series(dataset, hat(quantity)).sel(observer=name)), look, _name(dataset, name))
+
+
+def _name(dataset: xr.Dataset, observer: str) -> str:
+    """The observer in the legend, with the time at which it failed."""
+    lost = ~np.isfinite(dataset["x_hat"].sel(observer=observer)).all("state")
+    label = style.observer_label(observer)
+    return rf"{label} (fails at $\tau$ = {_time(dataset)[np.argmax(lost)]:g})" if lost.any() else label
+
+
+def _legend(figure: Figure, axes: Axes, any_slack: bool) -> None:
+    handles, labels = axes.get_legend_handles_labels()
+    if any_slack:
+        handles, labels = [*handles, Patch(**style.SLACK)], [*labels, "tendon slack"]
+    figure.legend(handles, labels, loc="outside upper center", ncols=len(handles))
+
+
+def _range(dataset: xr.Dataset, quantity: str, when: NDArray[np.bool_]) -> tuple[float, float]:
+    """The limits that show all lines; of an observer that fails only the middle, for it grows without bound before."""
+    true = _finite(np.asarray(series(dataset, quantity))[when])
+    shown = [true]
+    for estimate in np.asarray(series(dataset, hat(quantity)).transpose("observer", "time"))[:, when]:
+        known = _finite(estimate)
+        shown.append(known if known.size == estimate.size else _middle(known))
+    values = np.concatenate(shown)
+    low, high = (values.min(), values.max()) if values.size else (0.0, 0.0)
+    margin = 0.06 * (high - low) or 0.5
+    return low - margin, high + margin
+
+
+def _finite(values: Array) -> Array:
+    return values[np.isfinite(values)]
+
+
+def _middle(values: Array) -> Array:
+    return np.quantile(values, [0.05, 0.95]) if values.size else values
+
+
+def _episodes(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """First and last index of each run of True."""
+    edges = np.flatnonzero(np.diff(flags.astype(int), prepend=0, append=0))
+    return [(int(first), int(after) - 1) for first, after in edges.reshape(-1, 2)]
+
+
+def _line(axes: Axes, time: Array, values: Array, look: style.Style, label: str) -> None:
+    keep = _envelope(values)
+    axes.plot(time[keep], values[keep], label=label, **look)
+
+
+def _envelope(values: Array) -> NDArray[np.intp]:
+    """Which points to draw: all, or of a very long line the least and the largest of each stretch."""
+    if len(values) <= _MOST_POINTS:
+        return np.arange(len(values))
+    stretches = np.array_split(np.arange(len(values)), _MOST_POINTS // 2)
+    return np.unique([part[pick(values[part])] for part in stretches for pick in (np.argmin, np.argmax)])
+
+
+def _set_time(axes: Axes, begin: float, end: float) -> None:
+    if end > begin:
+        axes.set_xlim(begin, end)
+
+
+def _time(dataset: xr.Dataset) -> Array:
+    return np.asarray(dataset["time"])
+
+
+def _tendon_curve(axes: Axes, curves: CurveSet, tendon: dict[str, float], j: str) -> None:
+    """Φ_S of one tendon between half a toe below slack and as far into the linear region."""
+    begin, end = tendon["L_slack"], tendon["L_slack"] + tendon["toe"]
+    edges = (begin - tendon["toe"] / 2, begin, end, end + tendon["toe"] / 2)
+    symbol = ca.SX.sym("L")
+    curve = ca.Function("Phi_S", [symbol], [curves.Phi_S(symbol, Symbols({k: ca.SX(v) for k, v in tendon.items()}))])
+    lengths = np.linspace(edges[0], edges[-1], 801)
+    axes.plot(lengths, np.asarray(curve(lengths)).ravel(), color="black", linewidth=1.2)
+    for name, low, high, shade in zip(("slack", "toe", "linear"), edges, edges[1:], ("0.88", "0.94", "1"), strict=False):
+        axes.axvspan(low, high, facecolor=shade, zorder=0)
+        axes.text((low + high) / 2, 0.95, name, transform=axes.get_xaxis_transform(), ha="center", va="top")
+    axes.set_xlim(edges[0], edges[-1])
+    axes.set_xlabel(rf"$L_{{S{j}}}$")
+    axes.set_ylabel(rf"$\Phi_{{S{j}}}$")
+
+
+@contextmanager
+def _settings() -> Iterator[None]:
+    """Our settings on top of matplotlib's own, whatever the user's are; gone afterwards."""
+    with matplotlib.rc_context():
+        matplotlib.rcdefaults()
+        matplotlib.rcParams.update(style.RC)
+        yield
+
+
+def _write(path: Path, content: bytes) -> None:
+    """Under another name first: a stopped run leaves no half of a file."""
+    scratch = path.with_name(f".{path.name}.{secrets.token_hex(8)}")
+    try:
+        with scratch.open("xb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+        scratch.replace(path)
+    finally:
+        scratch.unlink(missing_ok=True)
