@@ -169,7 +169,7 @@ class _Work:
         return Trace(
             x=arrays["record_x"],
             y=arrays["record_y"],
-            guards=dict(zip(block.guards, arrays["guards"].tolist(), strict=False)),
+            guards=dict(zip(block.guards, (arrays["guards"] * grid.h).tolist(), strict=False)),
             score=dict(zip(score.x, sums.tolist(), strict=True)),
             failure=failure,
         )

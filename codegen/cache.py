@@ -120,27 +120,30 @@ def clean_cache() -> list[Path]:
         return []
     if reason := _distrust(folder):
         raise BuildError(f"The cache was not cleaned: {folder} {reason}.")
-    removed = []
-    for key in sorted({match[1] for name in os.listdir(folder) if (match := _OURS.fullmatch(name))}):
-        with contextlib.suppress(TimeoutError), _locked(folder / f"{key}.lock", patience=0):
-            removed += [path for path in _files_of(folder, key) if path.suffix != ".lock"]
-            for path in _files_of(folder, key):
-                _remove(path)
-    if (folder / ZIG_FOLDER).is_dir():
-        _remove(folder / ZIG_FOLDER)
-        removed.append(folder / ZIG_FOLDER)
-    return removed
+    zig = folder / ZIG_FOLDER
+    found = [zig] if zig.is_dir() else []
+    _remove(*found)
+    try:
+        for key in sorted({match[1] for name in os.listdir(folder) if (match := _OURS.fullmatch(name))}):
+            with contextlib.suppress(TimeoutError), _locked(folder / f"{key}.lock", patience=0):
+                names = [name for name in os.listdir(folder) if name.startswith(key) and _OURS.fullmatch(name)]
+                _remove(*(folder / name for name in names))
+                found += [folder / name for name in names if not name.endswith(".lock")]
+    except OSError as error:
+        raise BuildError(f"The cache in {folder} cannot be cleaned: {_words(error)}.") from error
+    return sorted(path for path in found if not os.path.lexists(path))
 
 
 def describe_cache() -> dict[str, object]:
     """Return folder, what is wrong with it, number of libraries and their bytes, without touching anything."""
     folder = _location()
-    missing = not os.path.lexists(folder)
-    reason = "" if missing else _distrust(folder)
-    names = [] if missing or reason else os.listdir(folder)
-    libraries = [folder / name for name in names if _OURS.fullmatch(name) and name.endswith(".so")]
-    size = sum(path.stat().st_size for path in libraries)
-    return {"folder": str(folder), "problem": reason, "libraries": len(libraries), "bytes": size}
+    problem = _distrust(folder) if os.path.lexists(folder) else ""
+    sizes = []
+    with contextlib.suppress(OSError):
+        for file in () if problem else os.scandir(folder):
+            if file.name.endswith(".so") and _OURS.fullmatch(file.name):
+                sizes.append(file.stat().st_size)
+    return {"folder": str(folder), "problem": problem, "libraries": len(sizes), "bytes": sum(sizes)}
 
 
 def write_new(path: Path, content: bytes) -> None:
@@ -344,21 +347,18 @@ def _try_lock(path: Path) -> int | None:
     return None
 
 
-def _remove(path: Path) -> None:
-    """Remove a file or a folder; what cannot be removed is left to the next start."""
-    if path.is_dir() and not path.is_symlink():
-        shutil.rmtree(path, ignore_errors=True)
-    else:
-        with contextlib.suppress(OSError):
-            path.unlink()
+def _remove(*paths: Path) -> None:
+    """Remove files and folders; what cannot be removed is left to the next start."""
+    for path in paths:
+        if path.is_dir() and not path.is_symlink():
+            shutil.rmtree(path, ignore_errors=True)
+        else:
+            with contextlib.suppress(OSError):
+                path.unlink()
 
 
 def _library_name(key: str, digest: str) -> str:
     return f"{key}-{digest[:16]}.so"
-
-
-def _files_of(folder: Path, key: str) -> list[Path]:
-    return sorted(folder / name for name in os.listdir(folder) if name.startswith(key) and _OURS.fullmatch(name))
 
 
 def _json(value: object) -> str:

@@ -72,7 +72,8 @@ def find_compiler() -> Compiler:
             try:
                 return _examine(shlex.split(given), limit)
             except (ValueError, BuildError) as error:
-                raise BuildError(f"{variable}={given!r} is no working compiler: {error} {_INSTALL}") from error
+                words = str(error).rstrip(".")
+                raise BuildError(f"{variable}={given!r} is no working compiler: {words}. {_INSTALL}") from error
     refusals = []
     for name in ("g++", "clang++", "c++"):
         try:
@@ -171,7 +172,7 @@ def _run(
 ) -> tuple[int, str]:
     """Run a command in `folder` and a session of its own; return its exit code and the last lines it printed."""
     try:
-        process = subprocess.Popen(
+        with subprocess.Popen(
             command,
             cwd=folder,
             env={**os.environ, **(variables or {}), "LC_ALL": "C"},
@@ -180,18 +181,17 @@ def _run(
             stderr=subprocess.STDOUT,
             start_new_session=True,
             umask=0o077,
-        )
+        ) as process:
+            try:
+                output = _listen(process, timeout)
+            finally:
+                with contextlib.suppress(ProcessLookupError, PermissionError):
+                    os.killpg(process.pid, signal.SIGKILL)
+        return process.returncode, output
+    except subprocess.TimeoutExpired as error:
+        raise BuildError(f"{command[0]} took more than {timeout:g} s (HILLOBS_COMPILE_TIMEOUT).") from error
     except OSError as error:
-        raise BuildError(f"{command[0]} cannot be started: {error.strerror}.") from error
-    with process:
-        try:
-            output = _listen(process, timeout)
-        except subprocess.TimeoutExpired as error:
-            raise BuildError(f"{command[0]} took more than {timeout:g} s (HILLOBS_COMPILE_TIMEOUT).") from error
-        finally:
-            with contextlib.suppress(ProcessLookupError, PermissionError):
-                os.killpg(process.pid, signal.SIGKILL)
-    return process.returncode, output
+        raise BuildError(f"{command[0]} cannot be run: {error.strerror}.") from error
 
 
 def _listen(process: subprocess.Popen[bytes], timeout: float) -> str:

@@ -17,17 +17,16 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
-from numpy.typing import NDArray
+from matplotlib.ticker import MaxNLocator
+from numpy.typing import ArrayLike, NDArray
 
 from ..codegen.library import Array
 from ..model.block import Symbols
 from ..model.curves import CURVES, CurveSet
 from ..model.symbols import MUSCLES, SIGNALS, STATES, hat
 from . import style
-from .transient import series, slack, start
+from .views import Flags, limits, series, slack, start
 
-# the part after the start gets its own scale if the start makes the range this many times larger
-_HIDES = 1.8
 # more than a printed line can show
 _MOST_POINTS = 6000
 _ROW = 1.25  # inches
@@ -53,6 +52,7 @@ def save_figures(dataset: xr.Dataset, folder: str | Path, stem: str) -> list[Pat
             content = io.BytesIO()
             with _settings():
                 figure.savefig(content, format=kind, metadata=undated)
+            figure.set_layout_engine("none")  # found once, it also holds for the second file
             paths.append(Path(folder) / f"{stem}-{key}.{kind}")
             _write(paths[-1], content.getvalue())
     return paths
@@ -66,7 +66,8 @@ def phi_s(dataset: xr.Dataset) -> Figure:
     if tendons[MUSCLES[0]] == tendons[MUSCLES[1]]:
         tendons = {"": tendons[MUSCLES[0]]}
     figure = Figure(figsize=(style.COLUMN * len(tendons), 2.5), layout="constrained")
-    for axes, (muscle, tendon) in zip(figure.subplots(1, len(tendons), squeeze=False).flat, tendons.items(), strict=True):
+    panels = figure.subplots(1, len(tendons), squeeze=False).flat
+    for axes, (muscle, tendon) in zip(panels, tendons.items(), strict=True):
         _tendon_curve(axes, curves, tendon, muscle[-1:] or "j")
     return figure
 
@@ -94,20 +95,17 @@ def reference(dataset: xr.Dataset) -> Figure:
 def estimates(dataset: xr.Dataset, quantities: Sequence[str]) -> Figure:
     """True values and estimates, a row per quantity; where the start hides the rest it gets a column of its own."""
     time, end = _time(dataset), start(dataset)
-    whole = {quantity: _range(dataset, quantity, time >= 0) for quantity in quantities}
-    later = {quantity: _range(dataset, quantity, time >= end) for quantity in quantities}
-    hidden = [quantity for quantity in quantities if np.ptp(whole[quantity]) > _HIDES * np.ptp(later[quantity])]
-    spans = [(0.0, end), (end, time[-1])] if hidden else [(0.0, time[-1])]
+    scales = {quantity: limits(dataset, quantity, end) for quantity in quantities}
+    split = any(len(scale) > 1 for scale in scales.values())
+    spans = [(0.0, end), (end, time[-1])] if split else [(0.0, time[-1])]
     figure = Figure(figsize=(style.PAGE, 0.7 + _ROW * len(quantities)), layout="constrained")
     rows = figure.subplots(len(quantities), len(spans), sharex="col", squeeze=False, width_ratios=[1, 2][-len(spans) :])
     for quantity, row in zip(quantities, rows, strict=True):
-        for axes, span in zip(row, spans, strict=True):
-            _panel(axes, dataset, quantity)
-            axes.set_ylim(whole[quantity])
+        for axes, span, scale in zip(row, spans, scales[quantity] * len(spans), strict=False):
+            axes.set_ylim(scale)
             _set_time(axes, *span)
-        if quantity in hidden:
-            row[-1].set_ylim(later[quantity])
-        row[0].set_ylabel(SIGNALS[quantity].symbol)
+            _panel(axes, dataset, quantity)
+        row[0].set_ylabel(SIGNALS[quantity].symbol, rotation=0, ha="right", va="center")
     for axes in rows[-1]:
         axes.set_xlabel(SIGNALS["t"].symbol)
     _legend(figure, rows[0, 0], any(slack(dataset, quantity).any() for quantity in quantities))
@@ -115,21 +113,28 @@ def estimates(dataset: xr.Dataset, quantities: Sequence[str]) -> Figure:
 
 
 def _panel(axes: Axes, dataset: xr.Dataset, quantity: str) -> None:
-    """The true value, the estimates and the slack of one quantity."""
+    """The true value, the estimates and the slack of one quantity within the limits of the axes."""
     time, loose = _time(dataset), slack(dataset, quantity)
     for begin, stop in _episodes(loose):
         axes.axvspan(time[begin], time[stop], **style.SLACK)
     # a slack tendon leaves the activation undetermined, 0/0
     true = series(dataset, quantity).where(~loose if quantity.startswith("a") else True)
-    _line(axes, time, np.asarray(true), style.TRUE, "true")
-    styles = style.observer_styles(dataset["observer"].values.tolist())
-    for name, look in styles.items():
-        _line(axes, time, np.asarray(series(dataset, hat(quantity)).sel(observer=name)), look, _name(dataset, name))
+    _line(axes, time, true, style.TRUE, "true")
+    for name, look in style.observer_styles(dataset["observer"].values.tolist()).items():
+        estimate = np.asarray(series(dataset, hat(quantity)).sel(observer=name))
+        _line(axes, time, estimate, style.thinned(look, _travel(axes, time, estimate)), _name(dataset, name))
+
+
+def _travel(axes: Axes, time: Array, values: Array) -> float:
+    """How far the line moves up and down in the axes, in their heights."""
+    (begin, end), (low, high) = axes.get_xlim(), axes.get_ylim()
+    shown = np.clip(values[(time >= begin) & (time <= end)], low, high)
+    return float(np.nansum(np.abs(np.diff(shown))) / (high - low))
 
 
 def _name(dataset: xr.Dataset, observer: str) -> str:
     """The observer in the legend, with the time at which it failed."""
-    lost = ~np.isfinite(dataset["x_hat"].sel(observer=observer)).all("state")
+    lost = np.asarray(~np.isfinite(dataset["x_hat"].sel(observer=observer))).any(axis=1)
     label = style.observer_label(observer)
     return rf"{label} (fails at $\tau$ = {_time(dataset)[np.argmax(lost)]:g})" if lost.any() else label
 
@@ -141,34 +146,14 @@ def _legend(figure: Figure, axes: Axes, any_slack: bool) -> None:
     figure.legend(handles, labels, loc="outside upper center", ncols=len(handles))
 
 
-def _range(dataset: xr.Dataset, quantity: str, when: NDArray[np.bool_]) -> tuple[float, float]:
-    """The limits that show all lines; of an observer that fails only the middle, for it grows without bound before."""
-    true = _finite(np.asarray(series(dataset, quantity))[when])
-    shown = [true]
-    for estimate in np.asarray(series(dataset, hat(quantity)).transpose("observer", "time"))[:, when]:
-        known = _finite(estimate)
-        shown.append(known if known.size == estimate.size else _middle(known))
-    values = np.concatenate(shown)
-    low, high = (values.min(), values.max()) if values.size else (0.0, 0.0)
-    margin = 0.06 * (high - low) or 0.5
-    return low - margin, high + margin
-
-
-def _finite(values: Array) -> Array:
-    return values[np.isfinite(values)]
-
-
-def _middle(values: Array) -> Array:
-    return np.quantile(values, [0.05, 0.95]) if values.size else values
-
-
-def _episodes(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
+def _episodes(flags: Flags) -> list[tuple[int, int]]:
     """First and last index of each run of True."""
     edges = np.flatnonzero(np.diff(flags.astype(int), prepend=0, append=0))
     return [(int(first), int(after) - 1) for first, after in edges.reshape(-1, 2)]
 
 
-def _line(axes: Axes, time: Array, values: Array, look: style.Style, label: str) -> None:
+def _line(axes: Axes, time: Array, signal: ArrayLike, look: style.Style, label: str) -> None:
+    values = np.asarray(signal)
     keep = _envelope(values)
     axes.plot(time[keep], values[keep], label=label, **look)
 
@@ -184,6 +169,7 @@ def _envelope(values: Array) -> NDArray[np.intp]:
 def _set_time(axes: Axes, begin: float, end: float) -> None:
     if end > begin:
         axes.set_xlim(begin, end)
+    axes.xaxis.set_major_locator(MaxNLocator(nbins=6, steps=[1, 2, 5, 10]))
 
 
 def _time(dataset: xr.Dataset) -> Array:
@@ -198,7 +184,8 @@ def _tendon_curve(axes: Axes, curves: CurveSet, tendon: dict[str, float], j: str
     curve = ca.Function("Phi_S", [symbol], [curves.Phi_S(symbol, Symbols({k: ca.SX(v) for k, v in tendon.items()}))])
     lengths = np.linspace(edges[0], edges[-1], 801)
     axes.plot(lengths, np.asarray(curve(lengths)).ravel(), color="black", linewidth=1.2)
-    for name, low, high, shade in zip(("slack", "toe", "linear"), edges, edges[1:], ("0.88", "0.94", "1"), strict=False):
+    regions = (("slack", "0.88"), ("toe", "0.94"), ("linear", "1"))
+    for (name, shade), low, high in zip(regions, edges[:-1], edges[1:], strict=True):
         axes.axvspan(low, high, facecolor=shade, zorder=0)
         axes.text((low + high) / 2, 0.95, name, transform=axes.get_xaxis_transform(), ha="center", va="top")
     axes.set_xlim(edges[0], edges[-1])

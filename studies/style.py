@@ -2,31 +2,34 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from typing import Any
 
 from ..observers import OBSERVERS
 
-Style = dict[str, object]
+Style = dict[str, Any]
 
 COLUMN = 3.4  # inches, one column of a two-column page
 PAGE = 7.0
 
-TRUE: Style = {"color": "black", "linestyle": (0, (4, 2.5)), "linewidth": 0.9, "zorder": 5}
+TRUE: Style = {"color": "black", "linestyle": (0, (4, 3)), "linewidth": 0.8, "zorder": 5}
 REFERENCE: Style = {"color": "#AA4499", "linestyle": "-", "linewidth": 1.8, "zorder": 3}
 MEASURED: Style = {"color": "0.72", "linestyle": "-", "linewidth": 0.5, "zorder": 2}
 SLACK: Style = {"facecolor": "0.9", "edgecolor": "none", "zorder": 0}
 
-# Okabe and Ito's colours; widths, dashes and lightness keep them apart in grey too
+# Okabe and Ito's colours; widths, dashes and lightness keep them apart in grey too.
+# Wide lines lie below, dashed ones on top, so that each shows what it covers.
 _OBSERVERS: tuple[Style, ...] = (
-    {"color": "#0072B2", "linestyle": "-", "linewidth": 1.0},
-    {"color": "#E69F00", "linestyle": "-", "linewidth": 1.6},
-    {"color": "#009E73", "linestyle": (0, (6, 1.2, 1.2, 1.2)), "linewidth": 1.1},
-    {"color": "#CC79A7", "linestyle": (0, (2.5, 1)), "linewidth": 1.3},
-    {"color": "#D55E00", "linestyle": (0, (1, 0.8)), "linewidth": 1.2},
-    {"color": "#56B4E9", "linestyle": (0, (9, 1.5)), "linewidth": 1.4},
+    {"color": "#0072B2", "linestyle": "-", "linewidth": 1.1, "zorder": 3.2},
+    {"color": "#E69F00", "linestyle": "-", "linewidth": 2.2, "zorder": 3.0},
+    {"color": "#009E73", "linestyle": (0, (6, 1.5, 1.2, 1.5)), "linewidth": 1.0, "zorder": 3.4},
+    {"color": "#CC79A7", "linestyle": (0, (3, 1)), "linewidth": 1.5, "zorder": 3.3},
+    {"color": "#D55E00", "linestyle": (0, (1, 1)), "linewidth": 1.3, "zorder": 3.5},
+    {"color": "#56B4E9", "linestyle": "-", "linewidth": 1.7, "zorder": 3.1},
 )
-# wide lines lie below, then solid ones, so that dashes on top show what they cover
-_ORDER = (3.0, 2.0, 4.0, 3.8, 4.2, 2.5)
+# a line that travels up and down more panel heights than this would become a solid area
+_CALM = 15.0
 
 RC: dict[str, object] = {
     "font.family": "STIXGeneral",
@@ -57,8 +60,15 @@ RC: dict[str, object] = {
 def observer_styles(names: Sequence[str]) -> dict[str, Style]:
     """The line of each observer: by its place in the registry; others follow in the order given."""
     known = [*OBSERVERS, *(name for name in names if name not in OBSERVERS)]
-    place = {name: known.index(name) % len(_OBSERVERS) for name in names}
-    return {name: {**_OBSERVERS[i], "zorder": _ORDER[i]} for name, i in place.items()}
+    return {name: _OBSERVERS[known.index(name) % len(_OBSERVERS)] for name in names}
+
+
+def thinned(style: Style, travel: float) -> Style:
+    """The line as it is drawn where it moves up and down by `travel` panel heights: noise is thin and lies below."""
+    if travel <= _CALM:
+        return style
+    share = math.sqrt(_CALM / travel)
+    return {**style, "linestyle": "-", "linewidth": max(0.35, 1.1 * share), "zorder": 2 + share}
 
 
 def observer_label(name: str) -> str:

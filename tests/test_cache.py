@@ -549,11 +549,12 @@ FAULT = """
 
 @pytest.mark.parametrize("start", ["cold", "damaged", "abandoned"])
 @pytest.mark.parametrize("kind", ["KILL", "ENOSPC", "EIO", "EACCES", "INTERRUPT"])
-def test_a_fault_at_each_call(tmp_path, kind, start):
+def test_a_fault_at_each_call(tmp_path, record_property, kind, start):
     result = child(FAULT, tmp_path, kind, start, tmp_path)
     assert result.stderr == ""
     *codes, untouched = result.stdout.split()
     assert untouched == "77"
+    record_property("faults", len(codes))
     assert len(codes) >= 20
     assert set(codes) <= {"KILL": {"-9"}, "INTERRUPT": {"0", "130"}}.get(kind, {"0", "1"})
     for when in range(1, len(codes) + 1):

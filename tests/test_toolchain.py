@@ -80,10 +80,9 @@ def python(program, *arguments, env=None, **options):
     head = f"""
         import ctypes, os, resource, signal, sys
         from hillobs.codegen import cache, toolchain
-        from hillobs.codegen.library import open_library
         SOURCE, DESCRIPTION = {SOURCE!r}, {DESCRIPTION!r}
         def twice(path):
-            function = open_library(path).twice
+            function = ctypes.CDLL(str(path)).twice
             function.restype, function.argtypes = ctypes.c_double, [ctypes.c_double]
             return function(4.0)
     """
@@ -299,7 +298,7 @@ def test_a_compiler_that_only_pretends_is_passed_over(tmp_path, monkeypatch, rea
 
 def test_a_script_without_an_interpreter(fake):
     fake("exit 0", interpreter="/no/such/shell")
-    fails("cannot be started: No such file or directory")
+    fails("cannot be run: No such file or directory")
 
 
 WHEEL = """

@@ -4,7 +4,7 @@
 struct Part {
     int64_t block;               // its row in BLOCKS
     const double *p;             // parameters
-    double *x, *y, *guards;      // state, outputs, time that each guard was active
+    double *x, *y, *guards;      // state, outputs, steps that each guard was active
     double *score;               // state of its score; null for the truth
     double *record_x, *record_y; // a row per recorded point
     int64_t failed, cause;       // grid point of the failure or −1; what failed, counted over x, y, domain
@@ -79,7 +79,7 @@ static void visit(Run &run, Part &part, const double *t, const double *staged) {
     check(part, domain, run.k);
     if (part.failed >= 0) return;
     if (run.k < run.steps)
-        for (int i = 0; i < block.n_guards; ++i) part.guards[i] += run.h * active[i];
+        for (int i = 0; i < block.n_guards; ++i) part.guards[i] += active[i];
     if (run.k % run.record == 0) {
         const int64_t row = run.k / run.record;
         memcpy(part.record_x + row * block.nx, part.x, (size_t)block.nx * sizeof *part.x);

@@ -23,7 +23,6 @@ pytestmark = pytest.mark.chaos
 PROGRAM = """
 import ctypes, os, sys, warnings
 from hillobs.codegen import cache, toolchain
-from hillobs.codegen.library import open_library
 
 EXPORT = 'extern "C" __attribute__((visibility("default")))'
 SOURCE = (
@@ -35,7 +34,11 @@ with warnings.catch_warnings(record=True) as said:
     warnings.simplefilter("always")
     try:
         path = toolchain.build(SOURCE, {"names": ["x"]})
-        function = open_library(path).twice
+        try:
+            function = ctypes.CDLL(str(path)).twice
+        except OSError:
+            from hillobs.codegen.library import open_library  # here, as it brings CasADi: hundreds of calls more
+            function = open_library(path).twice
         function.restype, function.argtypes = ctypes.c_double, [ctypes.c_double]
         code, text = (0 if function(4.0) == 8.0 else 9), f"{len(toolchain.compiled)} {len(said)} {path}"
     except cache.BuildError as error:
@@ -109,9 +112,6 @@ class Place:
         assert sorted(path.suffix for path in self.cache.iterdir()) == [".json", ".lock", ".so"]
         left = [path for folder in self.others for path in folder.iterdir()]
         assert all(killed and path.name.startswith("hillobs-") for path in left), left
-        again = self.run()
-        assert again[0] == 0
-        assert again[1].startswith("0 0 ")
 
     def damage(self):
         assert self.run()[0] == 0
@@ -180,8 +180,7 @@ CALLS = [
 ACTIONS = ["KILL", "ENOSPC", "EIO", "EACCES"]
 
 
-@pytest.mark.parametrize("start", ["cold", "damaged"])
-@pytest.mark.parametrize("action", ACTIONS)
+@pytest.mark.parametrize(("start", "action"), [("cold", action) for action in ACTIONS] + [("damaged", "KILL")])
 @pytest.mark.parametrize("call", CALLS)
 def test_each_call_of_ours(place, strace, record_property, call, action, start):
     first = first_call(place("first"), strace, call)
@@ -351,9 +350,8 @@ def test_a_folder_mounted_noexec(place, namespace, record_property):
 def test_a_folder_mounted_read_only(place, namespace, record_property):
     here = place()
     remount = f"mount -o remount,ro {here.cache}"
-    cold, warm = mounted(
-        namespace, here, "size=4m", f"{remount}; run 1; {remount},rw; run 0; {remount}; run 2; rm {here.root}/0*"
-    )
+    script = f"{remount}; run 1; mount -o remount,rw {here.cache}; run 0; rm 0*; {remount}; run 2"
+    cold, warm = mounted(namespace, here, "size=4m", script)
     assert cold[0] == 0
     assert re.match(rf"1 1 {here.others[1]}/hillobs-", cold[1])
     assert warm[1].startswith(f"0 0 {here.cache}")

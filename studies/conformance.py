@@ -1,0 +1,112 @@
+"""What every observer must do, ours or a user's own: call `conformance(block)` on yours."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import casadi as ca
+import numpy as np
+
+from ..codegen.library import Array, compile_functions
+from ..codegen.stepper import functions
+from ..model.block import Block, BlockError
+from ..model.symbols import MEASURED
+from ..observers import OBSERVERS, estimator
+from .simulate import simulate
+
+_POINTS = 200
+_AGREEMENT = 1e-12
+# forces at which a tendon is slack, at its edge, in the toe, at the end of the toe, beyond; a sensor may read below 0
+_FORCES = (-1e-3, 0.0, 1e-12, 0.1, 0.5, 2.0)
+
+
+def conformance(block: Block) -> list[str]:
+    """What is wrong with an observer, in sentences; empty if it conforms.
+
+    Checked: the ports, the description of its parameters, finite numbers for taut and slack tendons and for zero
+    error, compiled C equal to the expressions, and that it runs beside the others without changing them.
+    """
+    try:
+        whole = estimator(block)
+    except BlockError as error:
+        return [str(error)]
+    complaints = [*_descriptions(block), *_numbers(whole)]
+    return complaints or [*_compiled(whole), *_runs(block)]
+
+
+def _descriptions(block: Block) -> Iterator[str]:
+    for name, parameter in block.parameters.items():
+        if not (parameter.sentence and parameter.source and parameter.unit):
+            yield f"{block.name}: parameter {name} needs a sentence, a source and a unit"
+        if not (parameter.above < parameter.default < parameter.below) or not (
+            parameter.least <= parameter.default <= parameter.most
+        ):
+            yield f"{block.name}: the default of {name} is outside its own bounds"
+
+
+def _numbers(whole: Block) -> Iterator[str]:
+    table = functions(whole, sorted(whole.held), MEASURED)
+    p = [parameter.default for parameter in whole.parameters.values()]
+    held = [0.0] * len(whole.held)
+    for force in _FORCES:
+        y = [2.6, force, force]
+        x = table["init"](0, p, held, y)
+        after, _ = table["step"](0, 1e-4, x, p, held, ca.repmat(ca.DM(y), 1, 4))
+        outputs, guards, domain = table["out"](0, x, p, held, y)
+        for what, values in (
+            ("start", x),
+            ("step", after),
+            ("outputs", outputs),
+            ("guards", guards),
+            ("domain", domain),
+        ):
+            if not np.isfinite(np.array(values, dtype=float)).all():
+                yield f"{whole.name}: {what} not finite at the measured forces {force:g}"
+
+
+def _compiled(whole: Block) -> Iterator[str]:
+    table = functions(whole, sorted(whole.held), MEASURED)
+    library = compile_functions(list(table.values()))
+    for function in table.values():
+        points = _points(whole, function)
+        compiled = np.hstack(library.call(function.name(), *points))
+        expected = np.array([_evaluate(function, row) for row in zip(*points, strict=True)])
+        if not np.allclose(compiled, expected, rtol=_AGREEMENT, atol=_AGREEMENT, equal_nan=True):
+            yield f"{function.name()}: compiled C and expression differ by {np.nanmax(np.abs(compiled - expected)):.1e}"
+
+
+def _evaluate(function: ca.Function, row: Sequence[Array]) -> Array:
+    """All results of the CasADi function at one point, one after the other."""
+    given = [ca.reshape(ca.DM(value), *function.size_in(i)) for i, value in enumerate(row)]
+    return np.concatenate([np.array(result, dtype=float).ravel(order="F") for result in function.call(given)])
+
+
+def _points(whole: Block, function: ca.Function) -> list[Array]:
+    """Random arguments about the start of a run."""
+    random = np.random.default_rng(0)
+    p = np.array([parameter.default for parameter in whole.parameters.values()])
+    centre = {"t": np.zeros(1), "h": np.full(1, 1e-3), "p": p, "held": np.zeros(len(whole.held))}
+    result = []
+    for i in range(function.n_in()):
+        name, size = function.name_in(i), function.numel_in(i)
+        spread = random.uniform(-1, 1, (_POINTS, size))
+        if name == "staged":
+            result.append(np.tile([2.6, 0.1, 0.1], size // 3) + 0.05 * spread)
+        elif name == "x":
+            result.append(0.1 + 0.1 * spread)
+        else:
+            result.append(np.broadcast_to(centre[name], (_POINTS, size)) + 0 * spread)
+    return result
+
+
+def _runs(block: Block) -> Iterator[str]:
+    short = {"duration": 0.5, "score.start": 0.1}
+    registered = block.name in OBSERVERS
+    beside = simulate("paper-noisy", None if registered else [*OBSERVERS, block], short)
+    alone = simulate("paper-noisy", [block.name if registered else block], short)
+    for name in ("x_hat", "u_hat", "a_hat", "Delta_hat"):
+        one, other = alone[name].sel(observer=block.name).values, beside[name].sel(observer=block.name).values
+        if not np.isfinite(one).all():
+            yield f"{block.name}: {name} is not finite in paper-noisy"
+        if not np.array_equal(one, other, equal_nan=True):
+            yield f"{block.name}: {name} depends on which other observers run"
