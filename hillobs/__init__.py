@@ -7,11 +7,12 @@ from importlib.metadata import version
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from .studies.conformance import conformance
     from .studies.simulate import simulate
 
 __version__ = version("hillobs")
 
-_PLACES = {"simulate": ".studies.simulate"}
+_PLACES = {"conformance": ".studies.conformance", "simulate": ".studies.simulate"}
 
 
 def __getattr__(name: str) -> object:
@@ -21,4 +22,4 @@ def __getattr__(name: str) -> object:
     return getattr(importlib.import_module(_PLACES[name], __name__), name)
 
 
-__all__ = ["__version__", "simulate"]
+__all__ = ["__version__", "conformance", "simulate"]

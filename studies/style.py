@@ -31,7 +31,7 @@ _OBSERVERS: tuple[Style, ...] = (
 # a line that travels up and down more panel heights than this would become a solid area
 _CALM = 15.0
 
-RC: dict[str, object] = {
+RC: dict[Any, Any] = {
     "font.family": "STIXGeneral",
     "mathtext.fontset": "stix",
     "font.size": 9,

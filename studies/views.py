@@ -84,11 +84,13 @@ def _round_up(value: float) -> float:
 
 
 def _lines(dataset: xr.Dataset, quantity: str, when: Flags) -> list[Array]:
-    """The finite values of each line; of an observer that fails the middle ones, for it grows without bound before."""
-    estimates = np.asarray(series(dataset, hat(quantity)).transpose("observer", "time"))[:, when]
-    known = [_finite(estimate) for estimate in estimates]
-    shown = [values if values.size == when.sum() else _middle(values, 0.05) for values in known]
-    return [_finite(np.asarray(series(dataset, quantity))[when]), *shown]
+    """The finite values of each line; of an observer that fails only the first half, for it ends without bounds."""
+    lines = [np.asarray(series(dataset, quantity))[when]]
+    for estimate in np.asarray(series(dataset, hat(quantity)).transpose("observer", "time")):
+        life = int(np.isfinite(estimate).sum())
+        trusted = when & (np.arange(len(when)) <= (len(when) if life == len(when) else life // 2))
+        lines.append(estimate[trusted])
+    return [line[np.isfinite(line)] for line in lines]
 
 
 def _range(lines: Sequence[Array]) -> Limits:
@@ -103,10 +105,6 @@ def _without_spikes(lines: Sequence[Array]) -> Limits:
     """Limits that show all of the lines but for rare spikes that would hide the rest."""
     everything, most = _range(lines), _range([_middle(line, _SPIKES) for line in lines])
     return most if np.ptp(everything) > _HIDES * np.ptp(most) else everything
-
-
-def _finite(values: Array) -> Array:
-    return values[np.isfinite(values)]
 
 
 def _middle(values: Array, share: float) -> Array:
