@@ -240,7 +240,7 @@ def variants(errata: Mapping[str, Erratum]) -> list[Variant]:
         Variant("corrected", (), ""),
         Variant("as printed", every, "; ".join(errata[name].printed for name in every)),
         *(Variant(f"{name} printed", (name,), _sentence(erratum)) for name, erratum in errata.items()),
-        *(Variant(f"only {name} corrected", _without(name, every), _sentence(errata[name])) for name in every),
+        *(Variant(f"only {name} right", _without(name, every), _sentence(errata[name])) for name in every),
     ]
 
 
@@ -300,6 +300,8 @@ def _both_signs(signals: Mapping[str, Array]) -> dict[str, Array]:
 
 def _nearest(estimate: Array, signals: Mapping[str, Array], window: NDArray[np.bool_]) -> Nearest:
     distances = {name: _rms((estimate - value)[window]) for name, value in signals.items()}
+    if any(map(math.isnan, distances.values())):
+        return Nearest("nothing", math.nan)
     signal = min(distances, key=lambda name: distances[name])
     return Nearest(signal, distances[signal])
 
@@ -388,7 +390,7 @@ def _legend() -> Table:
 
 
 def _tracking_table(results: Sequence[Tracking]) -> Table:
-    head = ("controller", "max, τ in [8, 20]", "rms", "max for ever", "rms", "of r's amplitude")
+    head = ("controller", "max, τ ≥ 8", "rms", "max for ever", "rms", "of r's amplitude")
     rows = []
     for r in results:
         errors = [number(value) for value in (r.largest, r.rms, r.periodic, r.periodic_rms)]
@@ -398,7 +400,7 @@ def _tracking_table(results: Sequence[Tracking]) -> Table:
 
 def _estimation_table(results: Sequence[Estimation]) -> Table:
     quantities = ("x2", "Delta", "u1", "u2", "a1")
-    head = ("adaptive observer", "max |e₁|", *(f"rmse {name}" for name in quantities), "limits active")
+    head = ("observer", "max |e₁|", *(f"rmse {name}" for name in quantities), "limits active")
     rows = [
         (
             r.variant.name,
@@ -408,7 +410,7 @@ def _estimation_table(results: Sequence[Estimation]) -> Table:
         )
         for r in results
     ]
-    return _table("Errors of the adaptive sliding mode observer", head, rows)
+    return _table("Errors of the adaptive sliding mode observer (as printed: O8 read as meant)", head, rows)
 
 
 def _limits(guards: Mapping[str, float]) -> str:
@@ -416,7 +418,7 @@ def _limits(guards: Mapping[str, float]) -> str:
 
 
 def _nearest_table(results: Sequence[Estimation]) -> Table:
-    head = ("adaptive observer", "Δ̂ is", "û₁ is", "û₂ is")
+    head = ("observer", "Δ̂ is", "û₁ is", "û₂ is")
     rows = [(r.variant.name, *(f"{n.signal} ± {number(n.distance)}" for n in r.nearest.values())) for r in results]
     return _table("What its estimates are (± root mean square of the difference)", head, rows, left=4)
 
@@ -431,7 +433,7 @@ def _table(title: str, head: Sequence[str], rows: Iterable[Sequence[str]], left:
     """A plain table; the first `left` columns are words. Text, because labels like [dotla] are no markup."""
     result = Table(title=title, title_justify="left", box=None, padding=(0, 1, 0, 0))
     for i, name in enumerate(head):
-        result.add_column(Text(name), justify="left" if i < left else "right")
+        result.add_column(Text(name), justify="left" if i < left else "right", no_wrap=i == 0)
     for row in rows:
         result.add_row(*map(Text, row))
     return result

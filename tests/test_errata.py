@@ -1,5 +1,6 @@
 """The corrections proved: identities of the equations at random points, and the study's own numbers."""
 
+import re
 from collections.abc import Mapping
 from fractions import Fraction
 
@@ -273,18 +274,20 @@ def test_printed_curve_set_has_the_printed_decimals():
 # ---------------------------------------------------------------- the study
 
 
-@pytest.fixture(scope="module")
-def results():
+def test_what_each_printed_term_does():
     done = []
-    found = study.errata(done.append)
+    results = study.errata(done.append)
     assert done == sorted(done)
     assert done[-1] == 1
-    return found
+    check_controllers({row.variant.name: row for row in results if isinstance(row, study.Tracking)})
+    check_observers({row.variant.name: row for row in results if isinstance(row, study.Estimation)})
+    legend, *others = study.tables(results)
+    assert legend.row_count == len(CONTROLLER) + len(OBSERVER)
+    kinds = (study.Tracking, study.Estimation, study.Estimation, study.Joint)
+    assert [table.row_count for table in others] == [sum(isinstance(r, kind) for r in results) for kind in kinds]
 
 
-@pytest.mark.xdist_group("errata")
-def test_what_the_controllers_leave(results):
-    rows = {row.variant.name: row for row in results if isinstance(row, study.Tracking)}
+def check_controllers(rows: Mapping[str, study.Tracking]) -> None:
     assert len(rows) == 2 + 2 * len(CONTROLLER)
     assert rows["corrected"].largest == pytest.approx(7.1e-4, rel=0.01)
     assert rows["corrected"].periodic < 1e-9
@@ -296,9 +299,7 @@ def test_what_the_controllers_leave(results):
     assert not any(row.failure for row in rows.values())
 
 
-@pytest.mark.xdist_group("errata")
-def test_what_the_adaptive_observers_estimate(results):
-    rows = {row.variant.name: row for row in results if isinstance(row, study.Estimation)}
+def check_observers(rows: Mapping[str, study.Estimation]) -> None:
     found = {name: [nearest.signal for nearest in row.nearest.values()] for name, row in rows.items()}
     assert found["corrected"] == ["Δ", "u₁", "u₂"]
     assert found["as printed"] == ["−ẋ₂", "−(x₂ + u₁)", "−(u₂ − x₂)"]
@@ -312,13 +313,10 @@ def test_what_the_adaptive_observers_estimate(results):
     assert rows["O8 printed"].guards["L_min"] > 19
 
 
-@pytest.mark.xdist_group("errata")
-def test_tables_have_a_row_per_result(results):
-    legend, *others = study.tables(results)
-    assert legend.row_count == len(CONTROLLER) + len(OBSERVER)
-    kinds = (study.Tracking, study.Estimation, study.Estimation, study.Joint)
-    assert [table.row_count for table in others] == [sum(isinstance(r, kind) for r in results) for kind in kinds]
-
-
-def test_a_failure_is_named():
-    assert study._words(study.Failure(3.25, "x", "x2_hat")) == "diverges at τ = 3.25"
+def test_an_observer_that_diverges_says_when(monkeypatch):
+    wild = {"adaptive_as_printed": {"alpha0": 1e200}}
+    monkeypatch.setattr(study, "read", lambda name: (name, wild))
+    row = study._estimation(study.Variant("wild", (), ""), lambda done: None)
+    assert re.fullmatch(r"diverges at τ = [\d.]+", row.failure)
+    assert np.isnan(row.rmse["x2"])
+    assert row.nearest["Delta_hat"].signal == "nothing"
