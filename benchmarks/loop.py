@@ -8,7 +8,8 @@ from collections.abc import Callable
 
 from hillobs.codegen.stepper import functions
 from hillobs.model.curves import NGUYEN2019
-from hillobs.studies.simulate import compile_loop, paper_loop, prepare
+from hillobs.studies.loops import compile_loop, paper_loop
+from hillobs.studies.prepare import prepare
 
 ROUNDS = 7
 VM_STEPS = 400
@@ -46,7 +47,8 @@ def main() -> None:
         slow.append(VM_STEPS / clock(machine))
     ratio = statistics.median(f / s for f, s in zip(fast, slow, strict=True))
     print(f"closed-loop steps per CPU second, {len(names)} estimators, scores and noise included (median of {ROUNDS}):")
-    print(f"compiled {statistics.median(fast):,.0f}; CasADi's virtual machine, step by step from Python, {statistics.median(slow):,.0f}")
+    print(f"compiled: {statistics.median(fast):,.0f}")
+    print(f"CasADi's virtual machine, step by step from Python: {statistics.median(slow):,.0f}")
     print(f"ratio {ratio:.0f}")
 
 

@@ -145,15 +145,15 @@ NGUYEN2019 = CurveSet(
 )
 
 # the six decimals of [PhiSj] as printed, highest power first
-_PRINTED = (6760794.14, -68434261.19, 277072371.99, -560875494.46, 567666340.97, -229806913.40)
+PRINTED_TOE = ("6760794.14", "-68434261.19", "277072371.99", "-560875494.46", "567666340.97", "-229806913.40")
 
 
 def _Phi_S_printed(L: ca.SX, p: Symbols) -> ca.SX:
     end = p.L_slack + p.toe
     inside = clamp(L, p.L_slack, end)
-    quintic = ca.SX(_PRINTED[0])
-    for coefficient in _PRINTED[1:]:
-        quintic = quintic * inside + coefficient
+    quintic = ca.SX(0)
+    for coefficient in PRINTED_TOE:
+        quintic = quintic * inside + float(coefficient)
     return (L >= p.L_slack) * (L < end) * quintic + (L >= end) * (p.F_toe + p.k * (L - end))
 
 

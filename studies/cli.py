@@ -65,9 +65,10 @@ def simulate(
     failed = False
     with _user_errors():
         from .files import save, writable_folder
+        from .prepare import prepare
         from .report import failures
         from .scenario import parse_change
-        from .simulate import prepare, simulate_prepared
+        from .simulate import simulate_prepared
 
         changes = dict(parse_change(text) for text in settings)
         for path, value in (("seed", seed), ("step", step)):
@@ -137,7 +138,7 @@ def errata() -> None:
         from rich.console import Console
 
         from .errata import errata as study
-        from .errata import tables
+        from .errata_tables import tables
 
         with _progress("errata") as advance:
             results = study(advance)

@@ -1,160 +1,30 @@
-"""The equations as printed beside the corrected ones: what each erratum changes (docs/errata.md)."""
+"""What each erratum changes: the printed forms run beside the corrected ones (docs/errata.md)."""
 
 from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
-from rich.table import Table
-from rich.text import Text
 
 from ..codegen.batch import Failure, Grid, Trace
 from ..codegen.export import Loop
 from ..codegen.library import Array
-from ..model.backstepping import PARAMETERS, riccati
-from ..model.block import Block, Parameter, Symbols, symbols
-from ..model.curves import NGUYEN2019, NGUYEN2019_PRINTED, TENDON, CurveSet, per_muscle
-from ..model.dialect import clamp, outside, sg
-from ..model.symbols import MUSCLES, hat
-from ..observers.adaptive_sliding_mode import adaptive_sliding_mode
-from ..observers.ports import output_errors
+from ..model.block import Symbols
+from ..model.curves import NGUYEN2019, NGUYEN2019_PRINTED, TENDON
+from ..model.symbols import hat
+from .loops import compile_loop, paper_loop
 from .measures import measures
-from .report import number
+from .prepare import time_grid
+from .printed import ADAPTIVE, CONTROLLER, OBSERVER, Erratum, adaptive_as_printed, backstepping_as_printed, printed_toe
 from .scenario import Value, read, scenario
-from .simulate import Progress, compile_loop, paper_loop, time_grid
+from .simulate import Progress
 from .table import RUN, table
-
-
-@dataclass(frozen=True)
-class Erratum:
-    """One printed term: its label in the paper, what is printed there and what it must be."""
-
-    where: str
-    printed: str
-    correct: str
-
-
-CONTROLLER = {
-    "C1": Erratum("ζ", "ζ = … − m ṙ", "− m r̈: only then ė = Ae + Bζ"),
-    "C2": Erratum("ẇ, [kappa], β", "β = … + m r̈", "+ m r‴, the derivative of m r̈"),
-    "C3": Erratum("[kappa], β", "β = … − (Φ′_S1 + Φ′_S2) x₂", "+ (Φ′_S1 + Φ′_S2) x₂: ẋ₃ = x₂ + u₁, ẋ₄ = −x₂ + u₂"),
-    "C4": Erratum("β", "β without Δ̇_Φ", "β = … − m Δ̇_Φ"),
-}
-OBSERVER = {
-    "O2": Erratum("[AO1b]", "x̂̇₂ = β_a sign(e₁)", "+ (y₃ − y₂)/m"),
-    "O3": Erratum("[AO1c]", "τ_a Δ̂̇ = −Δ̂ − β_a sign(e₁)", "+ β_a sign(e₁)"),
-    "O4": Erratum("[AO2a], [AO3a]", "x̂̇₃, x̂̇₄ without x̂₂", "+ x̂₂ in x̂̇₃, − x̂₂ in x̂̇₄"),
-    "O5": Erratum("[AO2b], [AO3b]", "τ_a û̇_j = −û_j − (k_j + η_j) sign(·)", "+ (k_j + η_j) sign(·)"),
-    "O8": Erratum("[dotla]", "l̇_a = −ρ_a0 sign(δ_a), δ_a = 0.01 > 0 a constant", "sign(δ_a0)"),
-}
-# "as printed" reads O8's δ_a as δ_a0, which is surely meant; the letter of it is a variant of its own
-_READ_AS_MEANT = ("O8",)
-_ADAPTIVE = "adaptive_as_printed"
-
-# the six decimals of [PhiSj], highest power first
-PRINTED_TOE = ("6760794.14", "-68434261.19", "277072371.99", "-560875494.46", "567666340.97", "-229806913.40")
-
-
-def _switches(errata: Mapping[str, Erratum]) -> dict[str, Parameter]:
-    return {
-        name: Parameter(1.0, f"1: {erratum.correct}; 0: {erratum.printed}, as printed", "docs/errata.md")
-        for name, erratum in errata.items()
-    }
-
-
-def backstepping_as_printed(curves: CurveSet = NGUYEN2019) -> Block:
-    """The controller with the ports of `backstepping()`; C1…C4 are 1 for the corrected term, 0 for the printed."""
-    u = symbols("x1 x2 x3 x4 r dr ddr dddr Delta dDelta")
-    parameters = {**PARAMETERS, **per_muscle(curves.tendon), **_switches(CONTROLLER)}
-    p = symbols(parameters)
-    m = p.m
-    Phi_S1, Phi_S2 = (curves.Phi_S(x, p.part(name)) for x, name in zip((u.x3, u.x4), MUSCLES, strict=True))
-    slope1, slope2 = ca.jacobian(Phi_S1, u.x3), ca.jacobian(Phi_S2, u.x4)
-    e = ca.vertcat(u.x1 - u.r, u.x2 - u.dr)
-    A, B = ca.SX([[0, 1], [0, 0]]), ca.vertcat(0, 1 / m)
-    K, P = riccati(p)
-
-    # ζ = Φ_S2 − Φ_S1 + mΔ_Φ − m ṙ   printed;  − m r̈   C1
-    zeta = Phi_S2 - Phi_S1 + m * u.Delta - m * _either(p.C1, u.ddr, u.dr)
-    # K₁ = γ + K B,  K₂ = K A + γ K + BᵀP
-    K1, K2 = p.gamma + K @ B, K @ A + p.gamma * K + B.T @ P
-    # β = −K₁ζ − K₂e − (Φ′_S2 + Φ′_S1) x₂ + m r̈   printed;  + (…) x₂ C3,  − mΔ̇_Φ C4,  + m r‴ C2
-    beta = -K1 * zeta - K2 @ e + _either(p.C3, 1, -1) * (slope1 + slope2) * u.x2
-    beta += -p.C4 * m * u.dDelta + m * _either(p.C2, u.dddr, u.ddr)
-
-    # u₁ = −Φ′_S1 β/Δ,  u₂ = Φ′_S2 β/Δ   printed;  pretension and limits as in `backstepping()`
-    Delta = slope1**2 + slope2**2
-    floor = ca.fmax(Delta, p.Delta_min)
-    tension = p.k_c * (p.F_c - (Phi_S1 + Phi_S2) / 2) / floor
-    u1, u2 = -slope1 * beta / floor + tension * slope2, slope2 * beta / floor + tension * slope1
-    return Block(
-        "controller",
-        u=u,
-        p=p,
-        parameters=parameters,
-        y=Symbols(u1=clamp(u1, -p.u_max, p.u_max), u2=clamp(u2, -p.u_max, p.u_max), zeta=zeta),
-        guards=Symbols(
-            u1_limit=outside(u1, -p.u_max, p.u_max),
-            u2_limit=outside(u2, -p.u_max, p.u_max),
-            both_slack=Delta < p.Delta_min,
-        ),
-    )
-
-
-def adaptive_as_printed(curves: CurveSet = NGUYEN2019) -> Block:
-    """The adaptive observer; O2…O5 and O8 are 1 for the corrected term, 0 for the printed."""
-    right = adaptive_sliding_mode(curves)
-    x, u = right.x, right.u
-    p = Symbols({**right.p, **symbols(OBSERVER)})
-    e1, e3, e4 = output_errors(x, u, p, curves)
-    L = ca.fmax(p.l0 + x.l_a, p.L_min)
-    v1 = p.beta0 * L * sg(e1, p.delta_a)
-    v3 = (clamp(x.k_1, 0, p.k_max) + p.eta1) * sg(e3, p.delta_a)
-    v4 = (clamp(x.k_2, 0, p.k_max) + p.eta2) * sg(e4, p.delta_a)
-    # l̇_a = −ρ_a0 sign(δ_a)   [dotla] printed, δ_a the boundary layer's width;  sign(δ_a0) O8
-    fall = -(p.r00 + x.r_a0) * sg(p.delta_a, p.delta_a) * (p.l0 + x.l_a > p.L_min)
-    dl_a = _either(p.O8, right.dx.l_a, fall)
-    changed = Symbols(
-        # x̂̇₁ = x̂₂ + α_a|e₁|^½ sign(e₁) − φ,  φ = −(l̇_a/L_a) e₁   [AO1a] is right, but l̇_a may not be
-        x1_hat=right.dx.x1_hat + (dl_a - right.dx.l_a) / L * e1,
-        # x̂̇₂ = β_a sign(e₁)   [AO1b] printed;  + (y₃ − y₂)/m O2
-        x2_hat=v1 + p.O2 * (u.y3 - u.y2) / p.m,
-        # Δ̂̇ = (−Δ̂ − β_a sign(e₁)) / τ_a   [AO1c] printed;  + O3
-        Delta_hat=(-x.Delta_hat + _either(p.O3, 1, -1) * v1) / p.tau_a,
-        # x̂̇₃ = (k₁ + η₁) sign(e₃)   [AO2a] printed;  + x̂₂ O4
-        x3_hat=v3 + p.O4 * x.x2_hat,
-        # û̇₁ = (−û₁ − (k₁ + η₁) sign(e₃)) / τ_a   [AO2b] printed;  + O5
-        u1_hat=(-x.u1_hat + _either(p.O5, 1, -1) * v3) / p.tau_a,
-        # x̂̇₄ = (k₂ + η₂) sign(e₄)   [AO3a] printed;  − x̂₂ O4
-        x4_hat=v4 - p.O4 * x.x2_hat,
-        # û̇₂ = (−û₂ − (k₂ + η₂) sign(e₄)) / τ_a   [AO3b] printed;  + O5
-        u2_hat=(-x.u2_hat + _either(p.O5, 1, -1) * v4) / p.tau_a,
-        l_a=dl_a,
-    )
-    return replace(
-        right,
-        name=_ADAPTIVE,
-        p=p,
-        parameters={**right.parameters, **_switches(OBSERVER)},
-        dx=Symbols({**right.dx, **changed}),
-    )
-
-
-def _either(switch: ca.SX, corrected: ca.SX | float, printed: ca.SX | float) -> ca.SX:
-    return switch * corrected + (1 - switch) * printed
-
-
-def printed_toe(L: Fraction, order: int = 0) -> Fraction:
-    """The printed quintic of [PhiSj], or its derivative of the order given, in exact arithmetic."""
-    powers = range(len(PRINTED_TOE) - 1, order - 1, -1)
-    terms = zip(PRINTED_TOE, powers, strict=False)
-    return sum((Fraction(c) * math.perm(n, order) * L ** (n - order) for c, n in terms), Fraction(0))
 
 
 @dataclass(frozen=True)
@@ -210,6 +80,9 @@ class Joint:
 
 
 Result = Tracking | Estimation | Joint
+
+# "as printed" reads O8's δ_a as δ_a0, which is surely meant; the letter of it is a variant of its own
+_READ_AS_MEANT = ("O8",)
 
 _SETTLED, _LONG = 8.0, 100.0
 # of sin 0.5τ and sin 0.8τ
@@ -270,8 +143,8 @@ def _tracking(variant: Variant, progress: Progress) -> Tracking:
 
 
 def _estimation(variant: Variant, progress: Progress) -> Estimation:
-    run = _run({f"{_ADAPTIVE}.{name}": 0.0 for name in variant.printed}, (_ADAPTIVE,), progress)
-    s, grid, trace = run.signals, run.grid, run.traces[_ADAPTIVE]
+    run = _run({f"{ADAPTIVE}.{name}": 0.0 for name in variant.printed}, (ADAPTIVE,), progress)
+    s, grid, trace = run.signals, run.grid, run.traces[ADAPTIVE]
     points, end = grid.steps - grid.window + 1, grid.steps * grid.h
     error = np.abs(s["x1"] - s["x1_hat"])
     return Estimation(
@@ -372,68 +245,3 @@ def _rounding(order: int, start: float, end: float) -> float:
     values = np.array(ca.Function("curve", [L], [curve])(ca.DM(points).T), dtype=float).ravel()
     exact = [printed_toe(Fraction(x), order) for x in points.tolist()]
     return max(abs(float(Fraction(y) - z)) for y, z in zip(values.tolist(), exact, strict=True))
-
-
-def tables(results: Sequence[Result]) -> Iterator[Table]:
-    """What is printed and must be, then a table for each kind of result."""
-    yield _legend()
-    yield _tracking_table([row for row in results if isinstance(row, Tracking)])
-    estimations = [row for row in results if isinstance(row, Estimation)]
-    yield _estimation_table(estimations)
-    yield _nearest_table(estimations)
-    yield _joint_table([row for row in results if isinstance(row, Joint)])
-
-
-def _legend() -> Table:
-    rows = [(name, e.where, e.printed, e.correct) for name, e in (CONTROLLER | OBSERVER).items()]
-    return _table("What is printed", ("", "where", "printed", "must be"), rows, left=4)
-
-
-def _tracking_table(results: Sequence[Tracking]) -> Table:
-    head = ("controller", "max, τ ≥ 8", "rms", "max for ever", "rms", "of r's amplitude")
-    rows = []
-    for r in results:
-        errors = [number(value) for value in (r.largest, r.rms, r.periodic, r.periodic_rms)]
-        rows.append((r.variant.name, *errors, r.failure or f"{r.periodic / r.amplitude:.2%}"))
-    return _table("Tracking error |x₁ − r|", head, rows)
-
-
-def _estimation_table(results: Sequence[Estimation]) -> Table:
-    quantities = ("x2", "Delta", "u1", "u2", "a1")
-    head = ("observer", "max |e₁|", *(f"rmse {name}" for name in quantities), "limits active")
-    rows = [
-        (
-            r.variant.name,
-            number(r.x1_largest),
-            *(number(r.rmse[name]) for name in quantities),
-            r.failure or _limits(r.guards),
-        )
-        for r in results
-    ]
-    return _table("Errors of the adaptive sliding mode observer (as printed: O8 read as meant)", head, rows)
-
-
-def _limits(guards: Mapping[str, float]) -> str:
-    return ", ".join(f"{name} {number(time)}" for name, time in guards.items())
-
-
-def _nearest_table(results: Sequence[Estimation]) -> Table:
-    head = ("observer", "Δ̂ is", "û₁ is", "û₂ is")
-    rows = [(r.variant.name, *(f"{n.signal} ± {number(n.distance)}" for n in r.nearest.values())) for r in results]
-    return _table("What its estimates are (± root mean square of the difference)", head, rows, left=4)
-
-
-def _joint_table(results: Sequence[Joint]) -> Table:
-    head = ("toe of Φ_S", "printed, exact", "meant", "rounding in double precision")
-    rows = [(r.where, f"{float(r.printed):.12g}", f"{float(r.meant):g}", number(r.rounding)) for r in results]
-    return _table("The printed decimals of Φ_S", head, rows)
-
-
-def _table(title: str, head: Sequence[str], rows: Iterable[Sequence[str]], left: int = 1) -> Table:
-    """A plain table; the first `left` columns are words. Text, because labels like [dotla] are no markup."""
-    result = Table(title=title, title_justify="left", box=None, padding=(0, 1, 0, 0))
-    for i, name in enumerate(head):
-        result.add_column(Text(name), justify="left" if i < left else "right", no_wrap=i == 0)
-    for row in rows:
-        result.add_row(*map(Text, row))
-    return result

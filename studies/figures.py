@@ -14,8 +14,10 @@ import casadi as ca
 import matplotlib
 import numpy as np
 import xarray as xr
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import ArrayLike, NDArray
@@ -26,6 +28,9 @@ from ..model.curves import CURVES, CurveSet
 from ..model.symbols import MUSCLES, SIGNALS, STATES, hat
 from . import style
 from .views import Flags, limits, series, slack, start
+
+INPUTS = ("Delta", "u1", "u2")
+ACTIVATIONS = ("a1", "a2")
 
 # more than a printed line can show
 _MOST_POINTS = 6000
@@ -39,8 +44,8 @@ def figures(dataset: xr.Dataset) -> dict[str, Figure]:
             "phi_s": phi_s(dataset),
             "reference": reference(dataset),
             "states": estimates(dataset, STATES),
-            "inputs": estimates(dataset, ("Delta", "u1", "u2")),
-            "activations": estimates(dataset, ("a1", "a2")),
+            "inputs": estimates(dataset, INPUTS),
+            "activations": estimates(dataset, ACTIVATIONS),
         }
 
 
@@ -108,21 +113,21 @@ def estimates(dataset: xr.Dataset, quantities: Sequence[str]) -> Figure:
         row[0].set_ylabel(SIGNALS[quantity].symbol, rotation=0, ha="right", va="center")
     for axes in rows[-1]:
         axes.set_xlabel(SIGNALS["t"].symbol)
-    _legend(figure, rows[0, 0], any(slack(dataset, quantity).any() for quantity in quantities))
+    _legend(figure, dataset, any(slack(dataset, quantity).any() for quantity in quantities))
     return figure
 
 
 def _panel(axes: Axes, dataset: xr.Dataset, quantity: str) -> None:
     """The true value, the estimates and the slack of one quantity within the limits of the axes."""
     time, loose = _time(dataset), slack(dataset, quantity)
-    for begin, stop in _episodes(loose):
-        axes.axvspan(time[begin], time[stop], **style.SLACK)
+    for first, after in _episodes(loose):
+        axes.axvspan(time[first], time[min(after, len(time) - 1)], **style.SLACK)
+    true = np.asarray(series(dataset, quantity))
     # a slack tendon leaves the activation undetermined, 0/0
-    true = series(dataset, quantity).where(~loose if quantity.startswith("a") else True)
-    _line(axes, time, true, style.TRUE, "true")
+    _line(axes, time, np.where(loose, np.nan, true) if quantity in ACTIVATIONS else true, style.TRUE, "true")
     for name, look in style.observer_styles(dataset["observer"].values.tolist()).items():
         estimate = np.asarray(series(dataset, hat(quantity)).sel(observer=name))
-        _line(axes, time, estimate, style.thinned(look, _travel(axes, time, estimate)), _name(dataset, name))
+        _line(axes, time, estimate, style.thinned(look, _travel(axes, time, estimate)), name)
 
 
 def _travel(axes: Axes, time: Array, values: Array) -> float:
@@ -139,17 +144,19 @@ def _name(dataset: xr.Dataset, observer: str) -> str:
     return rf"{label} (fails at $\tau$ = {_time(dataset)[np.argmax(lost)]:g})" if lost.any() else label
 
 
-def _legend(figure: Figure, axes: Axes, any_slack: bool) -> None:
-    handles, labels = axes.get_legend_handles_labels()
-    if any_slack:
-        handles, labels = [*handles, Patch(**style.SLACK)], [*labels, "tendon slack"]
-    figure.legend(handles, labels, loc="outside upper center", ncols=len(handles))
+def _legend(figure: Figure, dataset: xr.Dataset, any_slack: bool) -> None:
+    """One legend above all panels, with the lines as they are before `thinned`."""
+    looks = style.observer_styles(dataset["observer"].values.tolist())
+    handles: list[Artist] = [Line2D([], [], label="true", **style.TRUE)]
+    handles += [Line2D([], [], label=_name(dataset, name), **look) for name, look in looks.items()]
+    handles += [Patch(label="tendon slack", **style.SLACK)] if any_slack else []
+    figure.legend(handles=handles, loc="outside upper center", ncols=min(len(handles), 6))
 
 
 def _episodes(flags: Flags) -> list[tuple[int, int]]:
-    """First and last index of each run of True."""
+    """Where each run of True begins, and where the next False is."""
     edges = np.flatnonzero(np.diff(flags.astype(int), prepend=0, append=0))
-    return [(int(first), int(after) - 1) for first, after in edges.reshape(-1, 2)]
+    return [(int(first), int(after)) for first, after in edges.reshape(-1, 2)]
 
 
 def _line(axes: Axes, time: Array, signal: ArrayLike, look: style.Style, label: str) -> None:

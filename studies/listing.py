@@ -11,9 +11,9 @@ from ..codegen.cache import BuildError, describe_cache
 from ..codegen.toolchain import find_compiler
 from ..model.curves import CURVES
 from ..observers import OBSERVERS
+from .loops import full_table
 from .scenario import CHOICES, shipped
 from .show import describe
-from .simulate import full_table
 from .versions import versions
 
 

@@ -6,8 +6,8 @@ import json
 from collections.abc import Iterator
 
 from ..model.block import Parameter
+from .prepare import prepare
 from .scenario import CHOICES
-from .simulate import prepare
 
 
 def show(source: str) -> str:

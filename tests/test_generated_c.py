@@ -10,7 +10,7 @@ from hillobs.codegen.library import Library
 from hillobs.codegen.toolchain import find_compiler
 from hillobs.model.curves import NGUYEN2019
 from hillobs.model.pair import DRIVES
-from hillobs.studies.simulate import full_table, paper_loop
+from hillobs.studies.loops import full_table, paper_loop
 
 SANITIZE = ("-O0", "-g", "-fsanitize=address,undefined,float-cast-overflow", "-fno-sanitize-recover=all")
 

@@ -13,7 +13,9 @@ from hillobs.model.block import Block, Symbols, symbols
 from hillobs.model.curves import NGUYEN2019
 from hillobs.observers.ports import ESTIMATES
 from hillobs.studies.files import columns
-from hillobs.studies.simulate import compile_loop, paper_loop, prepare, simulate, simulate_prepared
+from hillobs.studies.loops import compile_loop, paper_loop
+from hillobs.studies.prepare import prepare
+from hillobs.studies.simulate import simulate, simulate_prepared
 
 import independent
 

@@ -1,0 +1,128 @@
+"""What the kernel recorded as a Dataset, with everything a run can be repeated from."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import xarray as xr
+
+from ..codegen.batch import Failure, Trace
+from ..codegen.library import Array
+from ..model.symbols import MEASURED, QUANTITIES, SIGNALS, STATES, hat
+from .gains import gain_conditions
+from .measures import Measure, measures
+from .prepare import BASELINE, Prepared
+from .scenario import CHOICES
+from .table import block_paths
+from .versions import versions
+
+
+def dataset(prepared: Prepared, traces: Mapping[str, Trace], library: str) -> xr.Dataset:
+    """The Dataset that `simulate` describes; `library` names the code that ran."""
+    loop, grid = prepared.loop, prepared.grid
+    truth, n = traces["truth"], grid.steps // grid.record + 1
+    signal = dict(zip(loop.truth.y, truth.y.T, strict=True))
+    observers, estimators = list(prepared.observers), [*prepared.observers, BASELINE]
+
+    def hats(names: Sequence[str]) -> Array:
+        """(observer, time, name) of the estimates of `names`."""
+        outputs = {block.name: list(block.y) for block in loop.observers}
+        return np.stack([traces[o].y[:, [outputs[o].index(hat(x)) for x in names]] for o in observers])
+
+    def columns(names: Sequence[str]) -> Array:
+        return np.stack([signal[name] for name in names], axis=1)
+
+    data: dict[str, tuple[tuple[str, ...], Array, dict[str, str]]] = {
+        "x": (("time", "state"), columns(STATES), _about("true states")),
+        "u": (("time", "muscle"), columns(("u1", "u2")), _about("true virtual inputs: minus the fibre velocities")),
+        "a": (("time", "muscle"), columns(("a1", "a2")), _about("true activations")),
+        "Delta": (("time",), signal["Delta"], _about(SIGNALS["Delta"].sentence)),
+        "y": (("time", "sensor"), columns(MEASURED), _about("measured position and tendon forces")),
+        "taut": (("time", "muscle"), columns(("taut1", "taut2")), _about("1 while the tendon carries force")),
+        "x_hat": (("observer", "time", "state"), hats(STATES), _about("estimated states")),
+        "u_hat": (("observer", "time", "muscle"), hats(("u1", "u2")), _about("estimated virtual inputs")),
+        "a_hat": (("observer", "time", "muscle"), hats(("a1", "a2")), _about("estimated activations, within [0, 1]")),
+        "Delta_hat": (("observer", "time"), hats(("Delta",))[:, :, 0], _about("estimated uncertainty")),
+    }
+    if "r" in signal:
+        data["r"] = (("time",), signal["r"], _about(SIGNALS["r"].sentence))
+    for block in loop.observers:
+        for i, state in enumerate(block.x):
+            if block.name in observers and state not in block.y:
+                about = SIGNALS[state].sentence if state in SIGNALS else f"state {state}"
+                attributes = _about(f"{block.name}: {about}") | {"observer": block.name, "state": state}
+                data[f"{block.name}_{state}"] = (("time",), traces[block.name].x[:, i], attributes)
+    points = max(0, grid.steps - grid.window + 1)
+    errors = {name: measures(traces[name].score, points, grid.h, grid.steps * grid.h) for name in estimators}
+    for key in (field.name for field in dataclasses.fields(Measure)):
+        values = np.array([[getattr(errors[e][q], key) for q in QUANTITIES] for e in estimators])
+        data[key] = (("estimator", "quantity"), values, _about(_MEASURES[key]))
+    time = np.arange(n) * (grid.record * grid.h)
+    coordinates = {
+        "time": ("time", time, _about("time τ")),
+        "state": list(STATES),
+        "muscle": [1, 2],
+        "sensor": list(MEASURED),
+        "observer": observers,
+        "estimator": estimators,
+        "quantity": list(QUANTITIES),
+    }
+    return xr.Dataset(data, coordinates, _manifest(prepared, traces, library))
+
+
+_MEASURES = {
+    "rmse": "root of the mean squared error over [score.start, T]",
+    "peak": "largest |error| over [0, T]",
+    "settling": "last time the error exceeded its tolerance; NaN if it still does at the end",
+    "chattering": "mean change of the estimate from sample to sample over [score.start, T]",
+    "masked": "time within [score.start, T] in which the tendon was slack and the quantity did not count",
+}
+
+
+def _about(sentence: str) -> dict[str, str]:
+    return {"long_name": sentence, "units": "1"}
+
+
+def _manifest(prepared: Prepared, traces: Mapping[str, Trace], library: str) -> dict[str, str | int]:
+    """What a run can be repeated from, and what it has to say; everything as text, for NetCDF."""
+    scenario, every = prepared.scenario, prepared.table
+    used = [path for block in prepared.loop.blocks for path in block_paths(block)]
+    values = {path: prepared.value(path) for path in dict.fromkeys([*every.paths, *used])}
+    guards = {name: {g: t for g, t in trace.guards.items() if t > 0} for name, trace in traces.items()}
+    failures = {name: _explain(name, trace.failure) for name, trace in traces.items() if trace.failure}
+    checked = gain_conditions(prepared, traces["truth"])
+    violated = {name: [str(c) for c in conditions if not c.holds] for name, conditions in checked.items()}
+    return {
+        "Conventions": "CF-1.11",
+        "title": f"hillobs: {scenario.name}",
+        "scenario": scenario.name,
+        "description": scenario.description,
+        "seed": str(scenario.seed),
+        "choices": json.dumps({key: scenario.choices.get(key, valid[0]) for key, valid in CHOICES.items()}),
+        "parameters": json.dumps(values),
+        "changed": json.dumps(dict(scenario.given)),
+        "guards": json.dumps({name: times for name, times in guards.items() if times}),
+        "failures": json.dumps(failures),
+        "violated_conditions": json.dumps({name: words for name, words in violated.items() if words}),
+        "library": library,
+        "versions": json.dumps(versions()),
+    }
+
+
+def _explain(name: str, failure: Failure) -> str:
+    """What failed, when, and the likely reason."""
+    at = f"at τ = {failure.time:g}"
+    if failure.group == "domain":
+        what = "fibre" if "L_C" in failure.name else "tendon"
+        return (
+            f"{name}: the {what} length {failure.name} reached 0 {at}: the mass is pulled beyond what a muscle can be"
+        )
+    reason = (
+        "the step is likely too large for the gains, try a smaller one"
+        if name != "truth"
+        else "the parameters or the reference ask for more than the muscles can give"
+    )
+    return f"{name}: {failure.name} is not a finite number {at}; {reason}"

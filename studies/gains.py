@@ -1,0 +1,38 @@
+"""The gain conditions of the observers with the numbers of a run."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..codegen.batch import Trace
+from ..model.block import Symbols, symbols
+from ..observers import OBSERVERS
+from ..observers.conditions import FACTS, Checked, check
+from .prepare import Prepared
+
+
+def gain_conditions(prepared: Prepared, truth: Trace) -> dict[str, list[Checked]]:
+    """The gain conditions of each registered observer, with suprema from the recorded truth."""
+    signal = dict(zip(prepared.loop.truth.y, truth.y.T, strict=True))
+    spacing = prepared.grid.h * prepared.grid.record
+
+    def supremum(name: str) -> float:
+        rates = np.abs(np.diff(signal[name])) / spacing
+        return float(np.nanmax(rates)) if np.isfinite(rates).any() else math.nan
+
+    driven = prepared.scenario.drive != "given"
+    facts = {
+        "h": prepared.grid.h,
+        "U_m": prepared.value("controller.u_max") if driven else float(np.nanmax(np.abs([signal["u1"], signal["u2"]]))),
+        **{f"sup_d{name}": supremum(name) for name in ("Delta", "u1", "u2")},
+    }
+    result = {}
+    for block in prepared.loop.observers:
+        if block.name in prepared.observers and block.name in OBSERVERS:
+            p, about = symbols(block.p), symbols(FACTS)
+            values = dict(zip(block.p, prepared.table.values(block, prepared.scenario.given), strict=True))
+            conditions = OBSERVERS[block.name].conditions(p, about)
+            result[block.name] = check(conditions, Symbols({**p, **about}), {**values, **facts})
+    return result

@@ -1,0 +1,87 @@
+"""Everything of a run that can be wrong before it starts."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..codegen.batch import Grid
+from ..codegen.export import Loop
+from ..model.block import Block
+from ..model.curves import CURVES, NGUYEN2019
+from ..model.pulses import PULSES
+from ..observers import OBSERVERS
+from .loops import full_table, paper_loop
+from .scenario import Scenario, Value, read, scenario
+from .table import ScenarioError, Table
+
+BASELINE = "baseline"
+
+# a run of 10⁹ steps takes an hour; a million recorded points are 1 GB
+_MOST_STEPS = 1_000_000_000
+_MOST_POINTS = 1_000_000
+# what decimal fractions may be off as doubles
+_ROUNDING = 1e-9
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """A checked scenario with the Blocks that run it."""
+
+    scenario: Scenario
+    loop: Loop
+    table: Table
+    grid: Grid
+    observers: tuple[str, ...]
+
+    def value(self, path: str) -> float:
+        """The number at `path`."""
+        return self.table.value(path, self.scenario.given)
+
+
+def prepare(source: str | Path, observers: Sequence[str | Block] | None, changes: Mapping[str, Value]) -> Prepared:
+    """Everything of a run that can be wrong before it starts. ScenarioError says what is."""
+    name, content = read(source)
+    custom = tuple(block for block in observers or () if isinstance(block, Block))
+    chosen = tuple(dict.fromkeys(o.name if isinstance(o, Block) else o for o in (observers or OBSERVERS)))
+    known = [*OBSERVERS, *(block.name for block in custom)]
+    for observer in chosen:
+        if observer not in known:
+            raise ScenarioError(f"unknown observer {observer!r}; there are {', '.join(known)}")
+    if clash := [block.name for block in custom if block.name in (*OBSERVERS, BASELINE, "truth", "score")]:
+        raise ScenarioError(f"the name {clash[0]!r} is taken; give your observer another one")
+    every = full_table(custom)
+    checked = scenario(name, content, changes, every)
+    curves = CURVES[checked.choices.get("muscle.curves", NGUYEN2019.name)]
+    every.check(curves, checked.given)
+    loop = paper_loop(checked.drive, curves, custom)
+    return Prepared(checked, loop, every, time_grid(lambda path: every.value(path, checked.given)), chosen)
+
+
+def time_grid(value: Callable[[str], float]) -> Grid:
+    """The grid in whole steps; ScenarioError if a time is not a multiple of the step, or the run too long."""
+    h, duration = value("step"), value("duration")
+    if h > duration:
+        raise ScenarioError(f"step = {h:g} must not exceed duration = {duration:g}")
+    if duration / h > _MOST_STEPS:
+        raise ScenarioError(f"duration = {duration:g} at step = {h:g} is more than {_MOST_STEPS:,} steps")
+    if duration / value("record") > _MOST_POINTS:
+        raise ScenarioError(f"record = {value('record'):g} keeps more than {_MOST_POINTS:,} points; record fewer")
+
+    def whole(path: str) -> int:
+        """The time at `path` in steps."""
+        steps = value(path) / h
+        if abs(steps - round(steps)) > _ROUNDING * max(1.0, steps):
+            raise ScenarioError(f"{path} = {value(path):.12g} must be a whole multiple of step = {h:.12g}")
+        return round(steps)
+
+    return Grid(
+        h=h,
+        steps=whole("duration"),
+        record=whole("record"),
+        hold=whole("noise.period"),
+        window=math.ceil(value("score.start") / h * (1 - _ROUNDING)),
+        pulses=tuple((whole(f"{name}.start"), whole(f"{name}.stop")) for name in PULSES),
+    )
