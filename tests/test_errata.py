@@ -7,9 +7,8 @@ from fractions import Fraction
 import casadi as ca
 import numpy as np
 import pytest
-from hillobs.model import curves
 from hillobs.model.backstepping import backstepping, riccati
-from hillobs.model.block import Block, Symbols, symbols
+from hillobs.model.block import Block, Symbols
 from hillobs.model.curves import NGUYEN2019, NGUYEN2019_PRINTED
 from hillobs.model.dialect import root, sg
 from hillobs.model.pair import pair
@@ -18,10 +17,11 @@ from hillobs.observers.adaptive_sliding_mode import adaptive_sliding_mode
 from hillobs.observers.high_gain import high_gain
 from hillobs.observers.sliding_mode import sliding_mode
 from hillobs.studies import errata as study
-from scipy.linalg import solve_continuous_are
+from hillobs.studies import printed
+from hillobs.studies.errata_tables import tables
 
 POINTS = 200
-CONTROLLER, OBSERVER = tuple(study.CONTROLLER), tuple(study.OBSERVER)
+CONTROLLER, OBSERVER = tuple(printed.CONTROLLER), tuple(printed.OBSERVER)
 RANGES = {
     "x1": (2.55, 2.8), "x2": (-0.3, 0.3), "x3": (2.005, 2.06), "x4": (2.005, 2.06),
     "r": (2.6, 2.7), "dr": (-0.3, 0.3), "ddr": (-0.3, 0.3), "dddr": (-0.3, 0.3),
@@ -66,8 +66,8 @@ def difference(left: Mapping[str, np.ndarray], right: Mapping[str, np.ndarray]) 
 @pytest.mark.parametrize(
     ("right", "switched", "switches"),
     [
-        (backstepping, study.backstepping_as_printed, CONTROLLER),
-        (adaptive_sliding_mode, study.adaptive_as_printed, OBSERVER),
+        (backstepping, printed.backstepping_as_printed, CONTROLLER),
+        (adaptive_sliding_mode, printed.adaptive_as_printed, OBSERVER),
     ],
 )
 def test_all_corrections_together_are_the_corrected_block(right, switched, switches):
@@ -181,7 +181,7 @@ def test_error_dynamics_of_the_adaptive_observer():
 
 
 def test_error_dynamics_of_the_adaptive_observer_as_printed():
-    d = Errors(study.adaptive_as_printed(), {"O2": 0.0, "O3": 0.0, "O4": 0.0, "O5": 0.0, "O8": 1.0})
+    d = Errors(printed.adaptive_as_printed(), {"O2": 0.0, "O3": 0.0, "O4": 0.0, "O5": 0.0, "O8": 1.0})
     o, e1, e2 = d.o, d.e(1), d.e(2)
     phi, v1, v3, v4 = adaptive(d)
     alpha = d.p.alpha0 * ca.sqrt(d.p.l0 + o.l_a) * root(e1) * sg(e1, d.p.delta_a)
@@ -226,46 +226,27 @@ def lyapunov_gap(controller: Block, switches: Mapping[str, float]) -> float:
 
 def test_lyapunov_function_decreases_with_the_corrected_controller_only():
     assert lyapunov_gap(backstepping(), {}) < 1e-11
-    printed = study.backstepping_as_printed()
+    as_printed = printed.backstepping_as_printed()
     corrected = dict.fromkeys(CONTROLLER, 1.0)
-    assert lyapunov_gap(printed, corrected) < 1e-11
-    assert lyapunov_gap(printed, dict.fromkeys(CONTROLLER, 0.0)) > 0.1
+    assert lyapunov_gap(as_printed, corrected) < 1e-11
+    assert lyapunov_gap(as_printed, dict.fromkeys(CONTROLLER, 0.0)) > 0.1
     for name in CONTROLLER:
-        assert lyapunov_gap(printed, {**corrected, name: 0.0}) > 0.1, name
-
-
-@pytest.mark.parametrize(("m", "q", "R"), [(1.0, 10.0, 30.0), (2.3, 4.0, 0.7)])
-def test_closed_form_is_the_riccati_solution(m, q, R):
-    p = symbols("m q R")
-    K, P = (np.array(value) for value in ca.Function("lqr", [p.vector()], list(riccati(p)))([m, q, R]))
-    A, B = np.array([[0.0, 1.0], [0.0, 0.0]]), np.array([[0.0], [1 / m]])
-    np.testing.assert_allclose(P, solve_continuous_are(A, B, q * np.eye(2), [[R]]), rtol=1e-11)
-    np.testing.assert_allclose(K, B.T @ P / R, rtol=1e-11)
-    closed = A - B @ K
-    np.testing.assert_allclose(closed.T @ P + P @ closed, -(q * np.eye(2) + R * K.T @ K), atol=1e-11)
-
-
-def test_printed_gains_are_those_of_q_10_and_r_30():
-    p = symbols("m q R")
-    K, P = (np.array(value) for value in ca.Function("lqr", [p.vector()], list(riccati(p)))([1, 10, 30]))
-    np.testing.assert_allclose(K, [[0.5774, 1.2198]], atol=5.1e-5)
-    np.testing.assert_allclose(P, [[21.1284, 17.3205], [17.3205, 36.5955]], atol=5e-5)
+        assert lyapunov_gap(as_printed, {**corrected, name: 0.0}) > 0.1, name
 
 
 # ---------------------------------------------------------------- Φ_S as printed
 
 
 def test_printed_decimals_break_the_toe():
-    assert study.printed_toe(Fraction(2)) == Fraction("0.06")
-    assert study.printed_toe(Fraction("2.04")) == Fraction("0.565395137536")
-    assert study.printed_toe(Fraction(2), 1) == Fraction("0.13")
+    assert printed.printed_toe(Fraction(2)) == Fraction("0.06")
+    assert printed.printed_toe(Fraction("2.04")) == Fraction("0.565395137536")
+    assert printed.printed_toe(Fraction(2), 1) == Fraction("0.13")
     rows = {row.where: row for row in study.joints()}
     assert [rows[f"Φ{prime}_S(2.04)"].meant for prime in ("", "′", "″")] == [Fraction(1, 2), Fraction("19.2308"), 0]
     assert 1e-7 < rows["Φ_S(2)"].rounding < 1e-6
 
 
 def test_printed_curve_set_has_the_printed_decimals():
-    assert [float(c) for c in study.PRINTED_TOE] == list(curves._PRINTED)
     p = Symbols({name: ca.SX(parameter.default) for name, parameter in NGUYEN2019_PRINTED.tendon.items()})
     jump = [float(ca.evalf(NGUYEN2019_PRINTED.Phi_S(ca.SX(L), p))) for L in (1.9999999999, 2, 2.0399999999, 2.04)]
     np.testing.assert_allclose(jump, [0, 0.06, 0.5653951375, 0.5], atol=1e-6)
@@ -281,7 +262,7 @@ def test_what_each_printed_term_does():
     assert done[-1] == 1
     check_controllers({row.variant.name: row for row in results if isinstance(row, study.Tracking)})
     check_observers({row.variant.name: row for row in results if isinstance(row, study.Estimation)})
-    legend, *others = study.tables(results)
+    legend, *others = tables(results)
     assert legend.row_count == len(CONTROLLER) + len(OBSERVER)
     kinds = (study.Tracking, study.Estimation, study.Estimation, study.Joint)
     assert [table.row_count for table in others] == [sum(isinstance(r, kind) for r in results) for kind in kinds]
