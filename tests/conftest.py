@@ -4,9 +4,10 @@ import os
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
+
 from hillobs.model.block import Block, Parameter, Symbols, symbols
 from hillobs.observers.ports import ESTIMATES
-from hypothesis import settings
 
 # a slow machine is no failure
 settings.register_profile("here", deadline=None)

@@ -3,6 +3,7 @@
 import casadi as ca
 import numpy as np
 import pytest
+
 from hillobs.model.block import Block, BlockError, Parameter, Symbols, symbols
 from hillobs.model.wiring import many, rename, wire
 

@@ -17,6 +17,7 @@ import warnings
 from pathlib import Path
 
 import pytest
+
 from hillobs.codegen import cache
 from hillobs.codegen.cache import BuildError, CacheWarning
 

@@ -3,6 +3,7 @@
 import dataclasses
 
 import pytest
+
 from hillobs.model.block import Block, Parameter, Symbols, symbols
 from hillobs.model.curves import NGUYEN2019
 from hillobs.observers import OBSERVERS, baseline_estimator

@@ -3,12 +3,12 @@
 import casadi as ca
 import numpy as np
 import pytest
-from hillobs.model.block import symbols
-from hillobs.model.curves import NGUYEN2019, NGUYEN2019_PRINTED, CurveSet
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import independent
+from hillobs.model.block import symbols
+from hillobs.model.curves import NGUYEN2019, NGUYEN2019_PRINTED, CurveSet
 
 NUMBERS = {name: parameter.default for name, parameter in NGUYEN2019.parameters.items()}
 

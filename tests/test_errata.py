@@ -7,6 +7,7 @@ from fractions import Fraction
 import casadi as ca
 import numpy as np
 import pytest
+
 from hillobs.model.backstepping import backstepping, riccati
 from hillobs.model.block import Block, Symbols
 from hillobs.model.curves import NGUYEN2019, NGUYEN2019_PRINTED

@@ -7,13 +7,14 @@ import matplotlib
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.colors import to_hex
+
 from hillobs.model.symbols import QUANTITIES, SIGNALS, STATES, hat
 from hillobs.observers import OBSERVERS
 from hillobs.studies import style
 from hillobs.studies.figures import estimates, figures, save_figures
 from hillobs.studies.simulate import simulate
 from hillobs.studies.views import series, start
-from matplotlib.colors import to_hex
 
 ROWS = {"states": STATES, "inputs": ("Delta", "u1", "u2"), "activations": ("a1", "a2")}
 # long enough for a slack tendon in slack-deep (from 1.2) and slack (from 5.3)

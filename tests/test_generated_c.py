@@ -5,6 +5,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
+
 from hillobs.codegen.export import Source, export_loop
 from hillobs.codegen.library import Library
 from hillobs.codegen.toolchain import find_compiler

@@ -3,10 +3,11 @@
 from functools import cache
 from pathlib import Path
 
-import independent as ind
 import numpy as np
 import pytest
 from scipy.linalg import solve_continuous_are
+
+import independent as ind
 
 REFERENCE = Path(__file__).parent / "data" / "paper_clean.csv.gz"
 GROUPS = {"plant": slice(0, 4), "high_gain": slice(4, 11), "sliding_mode": slice(11, 18), "adaptive": slice(18, 31)}

@@ -8,6 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+
+import independent
 from hillobs.codegen import toolchain
 from hillobs.model.block import Block, Symbols, symbols
 from hillobs.model.curves import NGUYEN2019
@@ -16,8 +18,6 @@ from hillobs.studies.files import columns
 from hillobs.studies.loops import compile_loop, paper_loop
 from hillobs.studies.prepare import prepare
 from hillobs.studies.simulate import simulate, simulate_prepared
-
-import independent
 
 REFERENCE = Path(__file__).parent / "data" / "paper_clean.csv.gz"
 GROUPS = {"high_gain": 1e-8, "sliding_mode": 1e-6, "adaptive_sliding_mode": 2e-4}

@@ -5,6 +5,10 @@ import functools
 import casadi as ca
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.linalg import solve_continuous_are
+
 from hillobs.model.backstepping import backstepping, riccati
 from hillobs.model.block import Block, Symbols, symbols
 from hillobs.model.closed_loop import closed_loop
@@ -13,9 +17,6 @@ from hillobs.model.pair import DRIVES, pair
 from hillobs.model.reference import reference
 from hillobs.model.symbols import SIGNALS, STATES
 from hillobs.model.uncertainty import uncertainty
-from hypothesis import given
-from hypothesis import strategies as st
-from scipy.linalg import solve_continuous_are
 
 
 def numbers(block: Block, **changes: float) -> list[float]:

@@ -3,6 +3,7 @@
 import casadi as ca
 import numpy as np
 import pytest
+
 from hillobs.codegen.library import compile_functions
 from hillobs.codegen.stepper import functions
 from hillobs.model.block import Block, BlockError, Parameter, Symbols, symbols

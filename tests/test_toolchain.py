@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from hillobs.codegen import cache, toolchain
 from hillobs.codegen.cache import BuildError
 from hillobs.codegen.library import open_library

@@ -4,6 +4,7 @@ After each fault: a right result or one sentence, nothing partial under a final 
 """
 
 import hashlib
+import itertools
 import json
 import os
 import random
@@ -16,6 +17,7 @@ import time
 from pathlib import Path
 
 import pytest
+
 from hillobs.codegen.toolchain import find_compiler
 
 pytestmark = pytest.mark.chaos
@@ -26,9 +28,9 @@ from hillobs.codegen import cache, toolchain
 
 EXPORT = 'extern "C" __attribute__((visibility("default")))'
 SOURCE = (
-    "#include <math.h>\\n#include <stdint.h>\\n"
+    "#include <stdint.h>\\n"
     + EXPORT + " int hillobs_abi(void) { return HILLOBS_ABI; }\\n"
-    + EXPORT + " double twice(double x) { return 2.0 * x + 0.0 * exp(x); }\\n"
+    + EXPORT + " double twice(double x) { return 2.0 * x + 0.0 * __builtin_exp(x); }\\n"
 )
 with warnings.catch_warnings(record=True) as said:
     warnings.simplefilter("always")
@@ -36,8 +38,10 @@ with warnings.catch_warnings(record=True) as said:
         path = toolchain.build(SOURCE, {"names": ["x"]})
         try:
             function = ctypes.CDLL(str(path)).twice
-        except OSError:
-            from hillobs.codegen.library import open_library  # here, as it brings CasADi: hundreds of calls more
+        except OSError as error:
+            if "failed to map segment" not in str(error):
+                raise cache.BuildError(f"{path} cannot be loaded: {error}") from error
+            from hillobs.codegen.library import open_library  # only here: it brings CasADi, hundreds of calls more
             function = open_library(path).twice
         function.restype, function.argtypes = ctypes.c_double, [ctypes.c_double]
         code, text = (0 if function(4.0) == 8.0 else 9), f"{len(toolchain.compiled)} {len(said)} {path}"
@@ -184,7 +188,7 @@ ACTIONS = ["KILL", "ENOSPC", "EIO", "EACCES"]
 @pytest.mark.parametrize("call", CALLS)
 def test_each_call_of_ours(place, strace, record_property, call, action, start):
     first = first_call(place("first"), strace, call)
-    for when in range(first, first + 200):
+    for when in itertools.count(first):
         here = place(when)
         if start == "damaged":
             here.damage()
@@ -202,16 +206,12 @@ def test_each_call_of_ours(place, strace, record_property, call, action, start):
 @pytest.mark.parametrize("call", ["openat", "write", "fsync", "mkdir", "rename", "flock"])
 def test_from_each_call_of_ours_on(place, strace, record_property, call, action):
     first = first_call(place("first"), strace, call)
-    for when in range(first, first + 200):
+    for when in itertools.count(first):
         here = place(when)
         result = here.run(*injection(strace, here.log, call, action, f"{when}+"))
         if not was_hit(here, result):
             break
-        code, _, err = result
-        if call == "openat" and code not in (0, 1):
-            assert "Traceback" in err  # Python itself finds none of its modules any more
-        else:
-            here.assert_outcome(result)
+        here.assert_outcome(result)
         here.assert_recovers(killed=True)
     record_property("faults", when - first)
 
@@ -219,7 +219,7 @@ def test_from_each_call_of_ours_on(place, strace, record_property, call, action)
 @pytest.mark.parametrize("action", ["KILL", "ENOSPC", "EIO"])
 @pytest.mark.parametrize("call", ["write", "openat", "execve", "read", "unlink", "chmod", "lseek", "mmap", "vfork"])
 def test_each_call_of_the_compiler(place, strace, record_property, call, action):
-    for when in range(1, 400):
+    for when in itertools.count(1):
         here = place(when)
         fault = [*injection(strace, here.log, call, action, when), "-f"]
         result = here.run(FAULT=" ".join(fault))
