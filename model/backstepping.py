@@ -59,22 +59,24 @@ def backstepping(curves: CurveSet = NGUYEN2019) -> Block:
     # β = −K₁ζ − K₂e + (Φ′_S1 + Φ′_S2) x₂ − mΔ̇_Φ + m r‴
     beta = -K1 * zeta - K2 @ e + (slope1 + slope2) * u.x2 - m * u.dDelta + m * u.dddr
 
-    # step 3: the muscles.  −Φ′_S1 u₁ + Φ′_S2 u₂ = β with the smallest u, pretension in the null space
-    Delta = slope1**2 + slope2**2
+    u_limited, guards = distribute(beta, (Phi_S1, Phi_S2), (slope1, slope2), p)
+    return Block("controller", u=u, p=p, parameters=parameters, y=Symbols({**u_limited, "zeta": zeta}), guards=guards)
+
+
+def distribute(
+    beta: ca.SX, forces: tuple[ca.SX, ca.SX], slopes: tuple[ca.SX, ca.SX], p: Symbols
+) -> tuple[Symbols, Symbols]:
+    """u1, u2 within their limit, and the guards: the smallest inputs with −Φ′_S1 u₁ + Φ′_S2 u₂ = β, and pretension."""
+    # step 3: the muscles.  Δ = Φ′²_S1 + Φ′²_S2
+    Delta = slopes[0] ** 2 + slopes[1] ** 2
     floor = ca.fmax(Delta, p.Delta_min)
-    tension = p.k_c * (p.F_c - (Phi_S1 + Phi_S2) / 2) / floor
+    # k_c(F_c − (Φ_S1 + Φ_S2)/2)/Δ · (Φ′_S2, Φ′_S1) is in the null space: it moves the mean tension alone
+    tension = p.k_c * (p.F_c - (forces[0] + forces[1]) / 2) / floor
     # u₁ = −Φ′_S1 β/Δ + …,  u₂ = Φ′_S2 β/Δ + …
-    u1 = -slope1 * beta / floor + tension * slope2
-    u2 = slope2 * beta / floor + tension * slope1
-    return Block(
-        "controller",
-        u=u,
-        p=p,
-        parameters=parameters,
-        y=Symbols(u1=clamp(u1, -p.u_max, p.u_max), u2=clamp(u2, -p.u_max, p.u_max), zeta=zeta),
-        guards=Symbols(
-            u1_limit=outside(u1, -p.u_max, p.u_max),
-            u2_limit=outside(u2, -p.u_max, p.u_max),
-            both_slack=Delta < p.Delta_min,
-        ),
+    u1 = -slopes[0] * beta / floor + tension * slopes[1]
+    u2 = slopes[1] * beta / floor + tension * slopes[0]
+    low, high = -p.u_max, p.u_max
+    return (
+        Symbols(u1=clamp(u1, low, high), u2=clamp(u2, low, high)),
+        Symbols(u1_limit=outside(u1, low, high), u2_limit=outside(u2, low, high), both_slack=Delta < p.Delta_min),
     )

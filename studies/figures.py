@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import io
 import json
-import os
-import secrets
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -27,6 +25,7 @@ from ..model.block import Symbols
 from ..model.curves import CURVES, CurveSet
 from ..model.symbols import MUSCLES, SIGNALS, STATES, hat
 from . import style
+from .files import write_whole
 from .views import Flags, limits, series, slack, start
 
 INPUTS = ("Delta", "u1", "u2")
@@ -59,7 +58,7 @@ def save_figures(dataset: xr.Dataset, folder: str | Path, stem: str) -> list[Pat
                 figure.savefig(content, format=kind, metadata=undated)
             figure.set_layout_engine("none")  # found once, it also holds for the second file
             paths.append(Path(folder) / f"{stem}-{key}.{kind}")
-            _write(paths[-1], content.getvalue())
+            write_whole(paths[-1], content.getvalue())
     return paths
 
 
@@ -207,16 +206,3 @@ def _settings() -> Iterator[None]:
         matplotlib.rcdefaults()
         matplotlib.rcParams.update(style.RC)
         yield
-
-
-def _write(path: Path, content: bytes) -> None:
-    """Under another name first: a stopped run leaves no half of a file."""
-    scratch = path.with_name(f".{path.name}.{secrets.token_hex(8)}")
-    try:
-        with scratch.open("xb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-        scratch.replace(path)
-    finally:
-        scratch.unlink(missing_ok=True)

@@ -9,10 +9,10 @@ from fractions import Fraction
 
 import casadi as ca
 
-from ..model.backstepping import PARAMETERS, riccati
+from ..model.backstepping import PARAMETERS, distribute, riccati
 from ..model.block import Block, Parameter, Symbols, symbols
 from ..model.curves import NGUYEN2019, PRINTED_TOE, CurveSet, per_muscle
-from ..model.dialect import clamp, outside, sg
+from ..model.dialect import clamp, sg
 from ..model.symbols import MUSCLES
 from ..observers.adaptive_sliding_mode import adaptive_sliding_mode
 from ..observers.ports import output_errors
@@ -70,23 +70,9 @@ def backstepping_as_printed(curves: CurveSet = NGUYEN2019) -> Block:
     beta = -K1 * zeta - K2 @ e + _either(p.C3, 1, -1) * (slope1 + slope2) * u.x2
     beta += -p.C4 * m * u.dDelta + m * _either(p.C2, u.dddr, u.ddr)
 
-    # u₁ = −Φ′_S1 β/Δ,  u₂ = Φ′_S2 β/Δ   printed;  pretension and limits as in `backstepping()`
-    Delta = slope1**2 + slope2**2
-    floor = ca.fmax(Delta, p.Delta_min)
-    tension = p.k_c * (p.F_c - (Phi_S1 + Phi_S2) / 2) / floor
-    u1, u2 = -slope1 * beta / floor + tension * slope2, slope2 * beta / floor + tension * slope1
-    return Block(
-        "controller",
-        u=u,
-        p=p,
-        parameters=parameters,
-        y=Symbols(u1=clamp(u1, -p.u_max, p.u_max), u2=clamp(u2, -p.u_max, p.u_max), zeta=zeta),
-        guards=Symbols(
-            u1_limit=outside(u1, -p.u_max, p.u_max),
-            u2_limit=outside(u2, -p.u_max, p.u_max),
-            both_slack=Delta < p.Delta_min,
-        ),
-    )
+    # u₁ = −Φ′_S1 β/Δ,  u₂ = Φ′_S2 β/Δ   printed, and right
+    limited, guards = distribute(beta, (Phi_S1, Phi_S2), (slope1, slope2), p)
+    return Block("controller", u=u, p=p, parameters=parameters, y=Symbols({**limited, "zeta": zeta}), guards=guards)
 
 
 def adaptive_as_printed(curves: CurveSet = NGUYEN2019) -> Block:

@@ -13,6 +13,7 @@ from hillobs.model.symbols import QUANTITIES, SIGNALS, STATES, hat
 from hillobs.observers import OBSERVERS
 from hillobs.studies import style
 from hillobs.studies.figures import estimates, figures, save_figures
+from hillobs.studies.files import ResultError
 from hillobs.studies.simulate import simulate
 from hillobs.studies.views import series, start
 
@@ -267,7 +268,7 @@ def test_the_same_run_gives_the_same_files(clean, tmp_path):
 
 def test_a_file_that_cannot_be_written_leaves_nothing(clean, tmp_path):
     (tmp_path / "run-phi_s.png").mkdir()
-    with pytest.raises(OSError, match=r"run-phi_s\.png"):
+    with pytest.raises(ResultError, match=r"run-phi_s\.png"):
         save_figures(clean, tmp_path, "run")
     assert [path.name for path in tmp_path.iterdir()] == ["run-phi_s.png"]
 
