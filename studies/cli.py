@@ -88,7 +88,7 @@ def simulate(
 
                 with _progress(f"{name}: drawing") as advance:
                     written += save_figures(dataset, folder, name)
-            click.echo(f"written: {', '.join(map(_shown, written))}\n")
+            click.echo(_written(written) + "\n")
             for sentence in failures(dataset):
                 _complain(sentence)
                 failed = True
@@ -128,7 +128,7 @@ def figures(result: Path, out: Path | None) -> None:
 
         dataset = load(result)
         written = save_figures(dataset, writable_folder(out or result.parent), result.stem)
-        click.echo(f"written: {', '.join(map(_shown, written))}")
+        click.echo(_written(written))
 
 
 @commands.command()
@@ -225,8 +225,12 @@ def _complain(sentence: str) -> None:
     click.echo(f"hillobs: {_escaped(sentence)}", err=True)
 
 
-def _shown(path: Path) -> str:
-    return _escaped(str(path))
+def _written(paths: list[Path]) -> str:
+    """Where what was written is; figures are only counted."""
+    data = [path.name for path in paths if path.suffix not in (".png", ".pdf")]
+    drawn = len(paths) - len(data)
+    names = [*data, *([f"{drawn} figures"] if drawn else [])]
+    return _escaped(f"written to {paths[0].parent}/: {', '.join(names)}")
 
 
 def _escaped(text: str) -> str:
