@@ -8,7 +8,7 @@ from .block import Block, BlockError
 from .curves import NGUYEN2019, CurveSet, per_muscle
 from .muscle import ACTIVATION_LIMITS, activated_muscle, requested_activation, virtual_muscle
 from .skeleton import mass
-from .symbols import MUSCLES
+from .symbols import MUSCLES, STATES
 from .wiring import many, rename, wire
 
 DRIVES = {
@@ -21,7 +21,7 @@ DRIVES = {
 def pair(drive: str = "virtual", curves: CurveSet = NGUYEN2019) -> Block:
     """The plant [load1]–[lsdot2]; inputs Delta and u1, u2 (drives virtual, requested) or a1, a2 (given).
 
-    Outputs x1…x4, Phi_S1, Phi_S2, u1, u2, a1, a2, taut1, taut2; starts at the parameters x1_0 … x4_0.
+    Outputs x1…x4, Phi_S1, Phi_S2, L_C1, L_C2, u1, u2, a1, a2, taut1, taut2; starts at the parameters x1_0 … x4_0.
     """
     if drive not in DRIVES:
         raise BlockError(f"unknown drive {drive!r}; valid: {', '.join(DRIVES)}")
@@ -60,7 +60,7 @@ def _as_in_the_paper(wired: Block, curves: CurveSet) -> Block:
         names |= {f"{name}.{guard}": f"{guard[0]}{j}{guard[1:]}" for guard in ("a_limit", "a_infeasible", "z_limit")}
         names |= {f"request{j}.{key}": f"{name}.{key}" for key in curves.parameters}
     used = {*wired.x, *wired.y, *wired.p, *wired.guards, *wired.domain}
-    outputs = ["x1", "x2", "x3", "x4", "Phi_S1", "Phi_S2", "u1", "u2", "a1", "a2", "taut1", "taut2"]
+    outputs = [*STATES, *(f"{port}{j}" for port in ("Phi_S", "L_C", "u", "a", "taut") for j in (1, 2))]
     plant = rename(wired, "plant", {old: new for old, new in names.items() if old in used}, outputs)
     shared = {key: value for key, value in per_muscle(curves.parameters).items() if key in plant.parameters}
     return dataclasses.replace(plant, parameters={**plant.parameters, **shared})

@@ -1,0 +1,151 @@
+"""Observability by Lie derivatives: which coordinates the outputs determine at a point, and which they do not."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from ..model.block import Block, BlockError, Symbols, symbols
+
+Array = NDArray[np.float64]
+
+# singular values below this part of the largest are zero (spec §10)
+TOLERANCE = 1e-9
+
+
+def augmented(block: Block, unknown: Sequence[str], derivatives: int = 0) -> Block:
+    """`block` with the inputs `unknown` as further states: w, then `d1w` … up to the order given, the last constant.
+
+    Inputs that are not named stay inputs, known and constant. BlockError for an unknown name or a negative order.
+    """
+    if derivatives < 0:
+        raise BlockError(f"{block.name}: the order of the unknowns' derivatives must be at least 0, not {derivatives}")
+    if missing := [name for name in unknown if name not in block.u]:
+        raise BlockError(f"{block.name}: no input {', '.join(missing)}; there are {', '.join(block.u)}")
+    x, dx = Symbols(block.x), Symbols(block.dx)
+    for name in unknown:
+        chain = Symbols({name: block.u[name], **symbols(f"d{k}{name}" for k in range(1, derivatives + 1))})
+        x |= chain
+        dx |= dict(zip(chain, [*list(chain.values())[1:], ca.SX(0)], strict=True))
+    u = Symbols({name: symbol for name, symbol in block.u.items() if name not in unknown})
+    return dataclasses.replace(block, x=x, dx=dx, u=u, x0=Symbols(), held=frozenset())
+
+
+def lie_derivatives(block: Block, outputs: Sequence[str], order: int) -> list[ca.SX]:
+    """h, L_f h, … L_f^order h, each a column over the outputs."""
+    _check(block, outputs, order)
+    x, f = block.x.vector(), Symbols({name: block.dx[name] for name in block.x}).vector()
+    columns = [ca.vertcat(*(block.y[name] for name in outputs))]
+    for _ in range(order):
+        # L_f^{k+1} h = (∂ L_f^k h/∂x) f;  without cse the expressions double with each order
+        columns.append(ca.cse(ca.jtimes(columns[-1], x, f)))
+    return columns
+
+
+def observability_matrix(block: Block, outputs: Sequence[str], order: int) -> ca.Function:
+    """O = ∂(h, L_f h, …)/∂x as a dense function of (x, u, p); rows by order, then by output."""
+    rows = ca.vertcat(*lie_derivatives(block, outputs, order))
+    matrix = ca.cse(ca.densify(ca.jacobian(rows, block.x.vector())))
+    return ca.Function("observability", _arguments(block), [matrix], ["x", "u", "p"], ["matrix"])
+
+
+def structural_rank(block: Block, outputs: Sequence[str], order: int) -> int:
+    """The rank that the pattern of zeros in O allows: full even where a slack tendon makes numbers vanish."""
+    rows = ca.vertcat(*lie_derivatives(block, outputs, order))
+    return int(ca.sprank(ca.jacobian(rows, block.x.vector())))
+
+
+def decoupling_matrix(block: Block, outputs: Sequence[str], unknown: Sequence[str]) -> ca.Function:
+    """∂(h_i, …, L_f^{r_i} h_i)/∂x for all outputs i, r_i the order at which an unknown first appears in output i.
+
+    Where it is square and regular, state and unknowns follow from finitely many derivatives of the outputs.
+    """
+    w = ca.vertcat(*(block.x[name] for name in unknown))
+    rows = []
+    for name in outputs:
+        row = lie_derivatives(block, [name], 0)
+        while len(row) <= len(block.x) and not any(ca.which_depends(row[-1], w, 1, True)):
+            row = lie_derivatives(block, [name], len(row))
+        rows += row
+    matrix = ca.cse(ca.densify(ca.jacobian(ca.vertcat(*rows), block.x.vector())))
+    return ca.Function("decoupling", _arguments(block), [matrix], ["x", "u", "p"], ["matrix"])
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What O says at one point. Singular values are those of the scaled matrix, largest first."""
+
+    coordinates: tuple[str, ...]
+    rank: int
+    ranks: tuple[int, ...]  # with Lie derivatives of the orders 0 … k
+    singular_values: tuple[float, ...]
+    unobservable: tuple[str, ...]  # coordinates whose column can be deleted without losing rank
+    null_directions: tuple[Mapping[str, float], ...]  # what moves without a trace, per typical size, largest part 1
+
+    @property
+    def full(self) -> bool:
+        """Every coordinate is determined."""
+        return self.rank == len(self.coordinates)
+
+
+def judge(
+    matrix: Array, coordinates: Sequence[str], sizes: Mapping[str, float], outputs: int, tolerance: float = TOLERANCE
+) -> Verdict:
+    """The verdict on O at one point; sizes: typical size of each coordinate, outputs: rows per order."""
+    scaled = scale(matrix, [sizes[name] for name in coordinates])
+    values = np.linalg.svd(scaled, compute_uv=False)
+    rank = _rank(values, tolerance)
+    ranks = tuple(
+        _rank(np.linalg.svd(scaled[: outputs * k], compute_uv=False), tolerance)
+        for k in range(1, len(matrix) // outputs + 1)
+    )
+    lost = tuple(
+        name
+        for i, name in enumerate(coordinates)
+        if _rank(np.linalg.svd(np.delete(scaled, i, axis=1), compute_uv=False), tolerance) == rank
+    )
+    kernel = np.linalg.svd(scaled)[2][rank:]
+    return Verdict(
+        tuple(coordinates), rank, ranks, tuple(values.tolist()), lost, tuple(_words(row, coordinates) for row in kernel)
+    )
+
+
+def scale(matrix: Array, sizes: Sequence[float]) -> Array:
+    """Columns × typical size, rows normalised; zero rows stay zero. Works on a stack of matrices too."""
+    columns = matrix * np.asarray(sizes)
+    norms = np.linalg.norm(columns, axis=-1, keepdims=True)
+    return np.divide(columns, norms, out=np.zeros_like(columns), where=norms > 0)
+
+
+def ranks_of(matrices: Array, sizes: Sequence[float], tolerance: float = TOLERANCE) -> NDArray[np.int64]:
+    """The rank of each matrix of a stack (points × rows × columns)."""
+    values = np.linalg.svd(scale(matrices, sizes), compute_uv=False)
+    return np.sum(values > tolerance * values[:, :1], axis=1)
+
+
+def _rank(values: Array, tolerance: float) -> int:
+    return int(np.sum(values > tolerance * values[0])) if len(values) else 0
+
+
+def _words(direction: Array, coordinates: Sequence[str]) -> dict[str, float]:
+    largest = direction[np.argmax(np.abs(direction))]
+    parts = direction / largest
+    return {name: round(float(part), 6) for name, part in zip(coordinates, parts, strict=True) if abs(part) > 1e-6}
+
+
+def _check(block: Block, outputs: Sequence[str], order: int) -> None:
+    if not outputs:
+        raise BlockError(f"{block.name}: without an output nothing can be observed; there are {', '.join(block.y)}")
+    if missing := [name for name in outputs if name not in block.y]:
+        raise BlockError(f"{block.name}: no output {', '.join(missing)}; there are {', '.join(block.y)}")
+    if order < 0:
+        raise BlockError(f"{block.name}: the order of the Lie derivatives must be at least 0, not {order}")
+
+
+def _arguments(block: Block) -> list[ca.SX]:
+    return [block.x.vector(), block.u.vector(), block.p.vector()]
