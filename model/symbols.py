@@ -7,7 +7,10 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Signal:
-    """What a named number of the model is. `tolerance` is the error below which it counts as settled."""
+    """What a named number of the model is.
+
+    `tolerance` is the error below which it counts as settled, `size` how much it typically varies.
+    """
 
     name: str
     symbol: str
@@ -15,19 +18,26 @@ class Signal:
     equation: str
     unit: str = "1"
     tolerance: float = float("nan")
+    size: float = 1.0
 
 
 _SIGNALS = (
     Signal("t", r"$\tau$", "time", "paper, §II"),
-    Signal("x1", r"$x_1$", "position L_m1 of the mass", "[x1d]", tolerance=2e-3),
-    Signal("x2", r"$x_2$", "velocity of the mass, positive to the right", "[x2d]", tolerance=5e-3),
-    Signal("x3", r"$x_3$", "length L_S1 of the series elastic element of muscle 1", "[x3d]", tolerance=5e-4),
-    Signal("x4", r"$x_4$", "length L_S2 of the series elastic element of muscle 2", "[x4d]", tolerance=5e-4),
-    Signal("Delta", r"$\Delta_\Phi$", "bounded uncertainty in the acceleration", "[Deltaphi]", tolerance=5e-3),
-    Signal("u1", r"$u_1$", "virtual input of muscle 1: minus its fibre velocity", "[lcdot1]", tolerance=5e-3),
-    Signal("u2", r"$u_2$", "virtual input of muscle 2: minus its fibre velocity", "[lcdot2]", tolerance=5e-3),
-    Signal("a1", r"$a_1$", "activation of muscle 1", "[z]", tolerance=2e-2),
-    Signal("a2", r"$a_2$", "activation of muscle 2", "[z]", tolerance=2e-2),
+    Signal("x1", r"$x_1$", "position L_m1 of the mass", "[x1d]", tolerance=2e-3, size=0.01),
+    Signal("x2", r"$x_2$", "velocity of the mass, positive to the right", "[x2d]", tolerance=5e-3, size=0.01),
+    Signal("x3", r"$x_3$", "length L_S1 of the series elastic element of muscle 1", "[x3d]", tolerance=5e-4, size=0.01),
+    Signal("x4", r"$x_4$", "length L_S2 of the series elastic element of muscle 2", "[x4d]", tolerance=5e-4, size=0.01),
+    Signal(
+        "Delta", r"$\Delta_\Phi$", "bounded uncertainty in the acceleration", "[Deltaphi]", tolerance=5e-3, size=0.01
+    ),
+    Signal(
+        "u1", r"$u_1$", "virtual input of muscle 1: minus its fibre velocity", "[lcdot1]", tolerance=5e-3, size=0.01
+    ),
+    Signal(
+        "u2", r"$u_2$", "virtual input of muscle 2: minus its fibre velocity", "[lcdot2]", tolerance=5e-3, size=0.01
+    ),
+    Signal("a1", r"$a_1$", "activation of muscle 1", "[z]", tolerance=2e-2, size=0.5),
+    Signal("a2", r"$a_2$", "activation of muscle 2", "[z]", tolerance=2e-2, size=0.1),
     Signal("taut1", "taut 1", "1 while tendon 1 carries force, else 0", "[PhiSj]"),
     Signal("taut2", "taut 2", "1 while tendon 2 carries force, else 0", "[PhiSj]"),
     Signal("r", r"$r$", "reference of the position", "paper, §V"),

@@ -98,17 +98,11 @@ def judge(
 ) -> Verdict:
     """The verdict on O at one point; sizes: typical size of each coordinate, outputs: rows per order."""
     scaled = scale(matrix, [sizes[name] for name in coordinates])
-    values = np.linalg.svd(scaled, compute_uv=False)
-    rank = _rank(values, tolerance)
-    ranks = tuple(
-        _rank(np.linalg.svd(scaled[: outputs * k], compute_uv=False), tolerance)
-        for k in range(1, len(matrix) // outputs + 1)
-    )
-    lost = tuple(
-        name
-        for i, name in enumerate(coordinates)
-        if _rank(np.linalg.svd(np.delete(scaled, i, axis=1), compute_uv=False), tolerance) == rank
-    )
+    values = _singular_values(scaled)
+    rank = _rank(scaled, tolerance)
+    ranks = tuple(_rank(scaled[: outputs * k], tolerance) for k in range(1, len(matrix) // outputs + 1))
+    without = {name: np.delete(scaled, i, axis=1) for i, name in enumerate(coordinates)}
+    lost = tuple(name for name, rest in without.items() if _rank(rest, tolerance) == rank)
     kernel = np.linalg.svd(scaled)[2][rank:]
     return Verdict(
         tuple(coordinates), rank, ranks, tuple(values.tolist()), lost, tuple(_words(row, coordinates) for row in kernel)
@@ -119,17 +113,24 @@ def scale(matrix: Array, sizes: Sequence[float]) -> Array:
     """Columns × typical size, rows normalised; zero rows stay zero. Works on a stack of matrices too."""
     columns = matrix * np.asarray(sizes)
     norms = np.linalg.norm(columns, axis=-1, keepdims=True)
-    return np.divide(columns, norms, out=np.zeros_like(columns), where=norms > 0)
+    scaled: Array = np.divide(columns, norms, out=np.zeros_like(columns), where=norms > 0)
+    return scaled
 
 
 def ranks_of(matrices: Array, sizes: Sequence[float], tolerance: float = TOLERANCE) -> NDArray[np.int64]:
     """The rank of each matrix of a stack (points × rows × columns)."""
-    values = np.linalg.svd(scale(matrices, sizes), compute_uv=False)
-    return np.sum(values > tolerance * values[:, :1], axis=1)
+    values = _singular_values(scale(matrices, sizes))
+    ranks: NDArray[np.int64] = np.sum(values > tolerance * values[:, :1], axis=1)
+    return ranks
 
 
-def _rank(values: Array, tolerance: float) -> int:
-    return int(np.sum(values > tolerance * values[0])) if len(values) else 0
+def _singular_values(matrices: Array) -> Array:
+    return np.asarray(np.linalg.svd(matrices, compute_uv=False), dtype=np.float64)
+
+
+def _rank(matrix: Array, tolerance: float) -> int:
+    values = _singular_values(matrix)
+    return int(np.sum(values > tolerance * values[0])) if values.size else 0
 
 
 def _words(direction: Array, coordinates: Sequence[str]) -> dict[str, float]:
