@@ -14,6 +14,8 @@ import click
 if TYPE_CHECKING:
     import xarray as xr
 
+    from .observability_report import Asked
+
 # what a user's mistake raises; everything else is ours and shows its traceback
 _USAGE, _NUMERICAL, _INTERRUPTED = 2, 1, 130
 
@@ -132,6 +134,50 @@ def figures(result: Path, out: Path | None) -> None:
 
 
 @commands.command()
+@click.argument("scenario", default="paper-clean")
+@click.option("--at", "place", metavar="x1=..,x3=..", help="The point; what is not given is the scenario's at τ = 0.")
+@click.option("--outputs", default="x1,F1,F2", show_default=True, help="Sensors: x1, x2, F1, F2, L_C1, L_C2.")
+@click.option("--unknown", default="none", show_default=True, help="Unknown constants: none, u (Δ, u1, u2) or a.")
+@click.option("--order", metavar="K", help="Highest Lie derivative; n − 1 by default.")
+@click.option("--tolerance", metavar="T", help="Singular values below this part of the largest are 0.")
+@click.option("--along", is_flag=True, help="Rank along the run of the scenario, written to --out.")
+@click.option("--map", "axes", metavar="A,B", help="Rank over two coordinates, such as x3,x4 or x1,tension, to --out.")
+@click.option("--set", "settings", multiple=True, metavar="PATH=VALUE", help="Change a number of the scenario.")
+@click.option("--json", "as_json", is_flag=True, help="The answer as JSON.")
+@click.option("--out", default="results", show_default=True, metavar="DIR", help="Where maps and runs are written.")
+def observability(
+    scenario: str,
+    place: str | None,
+    outputs: str,
+    unknown: str,
+    order: str | None,
+    tolerance: str | None,
+    along: bool,
+    axes: str | None,
+    settings: tuple[str, ...],
+    as_json: bool,
+    out: str,
+) -> None:
+    """Say what these sensors determine at a point of SCENARIO; exit code 0 for full rank, 1 for less."""
+    with _user_errors():
+        from .observability_report import answer_question, write_along, write_map
+        from .scenario import parse_change
+
+        given = dict(parse_change(text) for text in settings)
+        asked = answer_question(scenario, given, place, outputs, unknown, order, tolerance)
+        if as_json:
+            click.echo(asked.json())
+        else:
+            _print_answer(asked)
+        for wanted, write in ((along, write_along), (axes is not None, write_map)):
+            if wanted:
+                with _progress("observability") as advance:
+                    paths = write(asked, Path(out), axes or "", advance)
+                click.echo(_written(paths), err=as_json)
+    sys.exit(0 if asked.answer.verdict.full else _NUMERICAL)
+
+
+@commands.command()
 def errata() -> None:
     """Run the controller and the adaptive observer as printed beside the corrected ones."""
     with _user_errors():
@@ -166,6 +212,16 @@ def clean() -> None:
 
         removed = clean_cache()
         click.echo(f"removed {len(removed)} files" if removed else "the cache was empty")
+
+
+def _print_answer(asked: Asked) -> None:
+    from rich.console import Console
+
+    click.echo(asked.summary() + "\n")
+    Console().print(asked.table())
+    click.echo()
+    for sentence in asked.details():
+        click.echo(sentence)
 
 
 def _print_report(dataset: xr.Dataset) -> None:

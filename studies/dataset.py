@@ -30,18 +30,19 @@ def dataset(prepared: Prepared, traces: Mapping[str, Trace], library: str) -> xr
     def hats(names: Sequence[str]) -> Array:
         """(observer, time, name) of the estimates of `names`."""
         outputs = {block.name: list(block.y) for block in loop.observers}
-        return np.stack([traces[o].y[:, [outputs[o].index(hat(x)) for x in names]] for o in observers])
+        columns = [traces[o].y[:, [outputs[o].index(hat(x)) for x in names]] for o in observers]
+        return np.array(columns).reshape(len(observers), n, len(names))
 
-    def columns(names: Sequence[str]) -> Array:
+    def true(names: Sequence[str]) -> Array:
         return np.stack([signal[name] for name in names], axis=1)
 
     data: dict[str, tuple[tuple[str, ...], Array, dict[str, str]]] = {
-        "x": (("time", "state"), columns(STATES), _about("true states")),
-        "u": (("time", "muscle"), columns(("u1", "u2")), _about("true virtual inputs: minus the fibre velocities")),
-        "a": (("time", "muscle"), columns(("a1", "a2")), _about("true activations")),
+        "x": (("time", "state"), true(STATES), _about("true states")),
+        "u": (("time", "muscle"), true(("u1", "u2")), _about("true virtual inputs: minus the fibre velocities")),
+        "a": (("time", "muscle"), true(("a1", "a2")), _about("true activations")),
         "Delta": (("time",), signal["Delta"], _about(SIGNALS["Delta"].sentence)),
-        "y": (("time", "sensor"), columns(MEASURED), _about("measured position and tendon forces")),
-        "taut": (("time", "muscle"), columns(("taut1", "taut2")), _about("1 while the tendon carries force")),
+        "y": (("time", "sensor"), true(MEASURED), _about("measured position and tendon forces")),
+        "taut": (("time", "muscle"), true(("taut1", "taut2")), _about("1 while the tendon carries force")),
         "x_hat": (("observer", "time", "state"), hats(STATES), _about("estimated states")),
         "u_hat": (("observer", "time", "muscle"), hats(("u1", "u2")), _about("estimated virtual inputs")),
         "a_hat": (("observer", "time", "muscle"), hats(("a1", "a2")), _about("estimated activations, within [0, 1]")),

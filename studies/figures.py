@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -38,7 +38,7 @@ _ROW = 1.25  # inches
 
 def figures(dataset: xr.Dataset) -> dict[str, Figure]:
     """All figures of one run: `phi_s`, `reference`, `states`, `inputs`, `activations`."""
-    with _settings():
+    with settings():
         return {
             "phi_s": phi_s(dataset),
             "reference": reference(dataset),
@@ -50,11 +50,16 @@ def figures(dataset: xr.Dataset) -> dict[str, Figure]:
 
 def save_figures(dataset: xr.Dataset, folder: str | Path, stem: str) -> list[Path]:
     """Write every figure as `STEM-KEY.png` and `.pdf`; the same run gives the same bytes."""
+    return write_figures(figures(dataset), folder, stem)
+
+
+def write_figures(drawn: Mapping[str, Figure], folder: str | Path, stem: str) -> list[Path]:
+    """Write figures as `STEM-KEY.png` and `.pdf`, without a date. ResultError if one cannot be written."""
     paths = []
-    for key, figure in figures(dataset).items():
+    for key, figure in drawn.items():
         for kind, undated in (("png", {"Software": None}), ("pdf", {"CreationDate": None})):
             content = io.BytesIO()
-            with _settings():
+            with settings():
                 figure.savefig(content, format=kind, metadata=undated)
             figure.set_layout_engine("none")  # found once, it also holds for the second file
             paths.append(Path(folder) / f"{stem}-{key}.{kind}")
@@ -200,7 +205,7 @@ def _tendon_curve(axes: Axes, curves: CurveSet, tendon: dict[str, float], j: str
 
 
 @contextmanager
-def _settings() -> Iterator[None]:
+def settings() -> Iterator[None]:
     """Our settings on top of matplotlib's own, whatever the user's are; gone afterwards."""
     with matplotlib.rc_context():
         matplotlib.rcdefaults()

@@ -70,6 +70,11 @@ def save(dataset: xr.Dataset, folder: Path) -> list[Path]:
     return [folder / name for name in contents]
 
 
+def save_netcdf(dataset: xr.Dataset, path: Path) -> None:
+    """A Dataset as NetCDF, every variable compressed, with a checksum of its attributes."""
+    write_whole(path, _netcdf(dataset))
+
+
 def load(path: Path) -> xr.Dataset:
     """A Dataset that `save` has written. ResultError if it is not one, or damaged."""
     try:

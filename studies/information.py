@@ -12,8 +12,8 @@ from ..codegen.library import Array
 from ..codegen.stepper import functions
 from ..model.block import Block
 
-# a standard deviation beyond this many typical sizes is no knowledge, nor is a coordinate with this share of it
-_BLIND, _SHARE = 1e6, 1e-6
+# information below this part of the largest is rounding, and so is a coordinate that has this share of it
+_ROUNDING, _SHARE = 1e-13, 1e-6
 
 
 def deviations(
@@ -49,7 +49,7 @@ def deviations(
 def _bound(information: Array, sizes: Mapping[str, float]) -> dict[str, float]:
     scales = np.array(list(sizes.values()))
     values, vectors = np.linalg.eigh(information * np.outer(scales, scales))
-    known = values > 1 / _BLIND**2
+    known = values > _ROUNDING * values[-1]
     spread = (vectors[:, known] ** 2 / values[known]).sum(axis=1)
     blind = (vectors[:, ~known] ** 2).sum(axis=1) > _SHARE
     return {

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..codegen.library import Array, Library, compile_functions
 from ..codegen.stepper import functions
-from ..model.block import Block
+from ..model.block import Block, Symbols
 from ..model.closed_loop import NOISE_CHANNELS
 from ..model.curves import CURVES, NGUYEN2019, CurveSet
 from ..model.pair import pair
@@ -150,8 +150,11 @@ def start_point(prepared: Prepared) -> dict[str, float]:
     return dict(zip(truth.y, outputs, strict=True))
 
 
-def at(question: Question, point: Mapping[str, float], tolerance: float = TOLERANCE) -> Answer:
-    """The answer at a point: values by name for all coordinates and known inputs. ScenarioError outside the domain."""
+def at(question: Question, point: Mapping[str, float], tolerance: float = TOLERANCE, window: float = 1.0) -> Answer:
+    """The answer at a point: values by name for all coordinates and known inputs; `window` for the accuracy.
+
+    ScenarioError outside the domain.
+    """
     _check_domain(question, point)
     used = {name: point[name] for name in (*question.block.x, *question.block.u)}
     kinks, verdict = {}, _verdict(question, point, tolerance)
@@ -167,6 +170,7 @@ def at(question: Question, point: Mapping[str, float], tolerance: float = TOLERA
         {SENSORS[name].output: SENSORS[name].noise for name in question.sensors},
         question.sizes,
         question.period,
+        window,
     )
     return Answer(used, verdict, regions(question, point), kinks, spread)
 
@@ -226,6 +230,15 @@ def determinant(question: Question, points: Mapping[str, Array]) -> Array:
     n = len(question.block.x)
     (flat,) = compile_functions([function]).call("decoupling", columns[:, :n], columns[:, n:], question.p)
     return np.asarray(np.abs(np.linalg.det(flat.reshape(len(columns), n, n))))
+
+
+def force_and_slope(question: Question, muscle: str, lengths: Array) -> tuple[Array, Array]:
+    """Φ_S and Φ′_S of a muscle's tendon at the lengths given."""
+    p = dict(zip(question.block.p, question.p, strict=True))
+    L, tendon = ca.SX.sym("L"), Symbols({key: ca.SX(p[f"{muscle}.{key}"]) for key in NGUYEN2019.tendon})
+    curve = ca.Function("curve", [L], [NGUYEN2019.Phi_S(L, tendon), NGUYEN2019.Phi_S_prime(L, tendon)])
+    force, slope = curve(ca.DM(lengths).T)
+    return np.array(force, dtype=float).ravel(), np.array(slope, dtype=float).ravel()
 
 
 def regions(question: Question, point: Mapping[str, float]) -> dict[str, str]:

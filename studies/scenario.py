@@ -96,9 +96,15 @@ def parse_change(text: str) -> tuple[str, Value]:
         raise ScenarioError(f"{text!r} is not PATH=VALUE, such as plant.m=1.2")
     if path in CHOICES or path == "description":
         return path, value
-    if not _NUMBER.fullmatch(value):
-        raise ScenarioError(f"{path} must be a number, not {value!r}")
-    return path, float(value) if path != "seed" else _whole(value)
+    number = parse_number(path, value)
+    return path, number if path != "seed" else _whole(value)
+
+
+def parse_number(what: str, text: str) -> float:
+    """A number as typed: digits, point, exponent. ScenarioError says what is not one."""
+    if not _NUMBER.fullmatch(text):
+        raise ScenarioError(f"{what} must be a number, not {text!r}")
+    return float(text)
 
 
 def _parse(path: Path) -> dict[str, object]:

@@ -1,0 +1,134 @@
+"""Observability at many points: along the run of a scenario, and over a map of two coordinates."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Mapping, Sequence
+
+import casadi as ca
+import numpy as np
+import xarray as xr
+
+from ..codegen.library import Array
+from ..model.block import Symbols
+from ..model.curves import NGUYEN2019
+from ..model.symbols import MUSCLES, SIGNALS
+from .observability import Question, determinant, matrices, rank_and_conditioning
+from .prepare import Prepared
+from .simulate import simulate_prepared
+from .table import ScenarioError
+
+# `tension` moves both tendons to the same force
+TENSION = "tension"
+MAP_POINTS = 200
+
+Progress = Callable[[float], None]
+
+
+def along(prepared: Prepared, question: Question, progress: Progress = lambda done: None) -> xr.Dataset:
+    """Rank and conditioning at every recorded point of the scenario's run, with `taut` per muscle."""
+    run = simulate_prepared(dataclasses.replace(prepared, observers=()))
+    points = {state: run.x.sel(state=state).values for state in run.state.values.tolist()}
+    points |= {f"{name}{j}": run[name].sel(muscle=j).values for name in ("u", "a") for j in (1, 2)}
+    stack = matrices(question, {**points, "Delta": run.Delta.values}, progress)
+    rank, conditioning = rank_and_conditioning(question, stack)
+    data = {"rank": ("time", rank), "conditioning": ("time", conditioning)}
+    return _described(question, xr.Dataset(data, {"time": run.time}).assign(taut=run.taut))
+
+
+def over(
+    question: Question,
+    axes: Sequence[str],
+    point: Mapping[str, float],
+    points: int = MAP_POINTS,
+    progress: Progress = lambda done: None,
+) -> xr.Dataset:
+    """Rank and conditioning over two coordinates, the others as in `point`; NaN and −1 outside the domain.
+
+    With as many output derivatives as coordinates also `determinant`. ScenarioError for axes that do not exist.
+    """
+    if len(axes) != 2 or axes[0] == axes[1]:
+        raise ScenarioError(f"a map has two different axes, such as x3,x4 or x1,{TENSION}, not {','.join(axes)}")
+    ranges = {axis: np.linspace(*_range(question, axis, point), points) for axis in axes}
+    mesh = dict(zip(axes, np.meshgrid(*ranges.values(), indexing="ij"), strict=True))
+    columns = {name: np.full(points**2, value) for name, value in point.items()}
+    for axis, values in mesh.items():
+        columns |= _placed(question, axis, values.ravel())
+    rank, conditioning = rank_and_conditioning(question, matrices(question, columns, progress))
+    inside = _inside(question, columns)
+    shape, dims = (points, points), list(axes)
+    data = {
+        "rank": (dims, np.where(inside, rank, -1).reshape(shape)),
+        "conditioning": (dims, np.where(inside, conditioning, np.nan).reshape(shape)),
+    }
+    if question.unknown != "none" and question.sensors == ("x1", "F1", "F2"):
+        data["determinant"] = (dims, np.where(inside, determinant(question, columns), np.nan).reshape(shape))
+    return _described(question, xr.Dataset(data, ranges))
+
+
+def tendon_edges(question: Question, muscle: str) -> tuple[float, float]:
+    """Where the tendon of a muscle leaves slack, and where its toe ends."""
+    p = dict(zip(question.block.p, question.p, strict=True))
+    return p[f"{muscle}.L_slack"], p[f"{muscle}.L_slack"] + p[f"{muscle}.toe"]
+
+
+def _range(question: Question, axis: str, point: Mapping[str, float]) -> tuple[float, float]:
+    p = dict(zip(question.block.p, question.p, strict=True))
+    if axis == TENSION:
+        return 0.0, 1.2 * min(p[f"{muscle}.F_toe"] for muscle in MUSCLES)
+    if axis not in (*question.block.x, *question.block.u):
+        valid = [*question.block.x, *question.block.u, TENSION]
+        raise ScenarioError(f"unknown axis {axis!r}; there are {', '.join(valid)}")
+    if axis in ("x3", "x4"):
+        slack, end = tendon_edges(question, MUSCLES[int(axis[1]) - 3])
+        return slack - (end - slack) / 2, end + (end - slack) / 2
+    if axis == "x1":
+        return p["C"] / 2 - 0.3, p["C"] / 2 + 0.3
+    if axis.startswith("a"):
+        return p["a_min"], 1.0
+    size = 20 * SIGNALS[axis].size
+    return point[axis] - size, point[axis] + size
+
+
+def _placed(question: Question, axis: str, values: Array) -> dict[str, Array]:
+    """The coordinates that an axis sets."""
+    if axis != TENSION:
+        return {axis: values}
+    return {f"x{j}": _length(question, muscle, values) for j, muscle in ((3, "muscle1"), (4, "muscle2"))}
+
+
+def _length(question: Question, muscle: str, force: Array) -> Array:
+    p = dict(zip(question.block.p, question.p, strict=True))
+    tendon = Symbols({key: ca.SX(p[f"{muscle}.{key}"]) for key in NGUYEN2019.tendon})
+    y = ca.SX.sym("y")
+    return np.array(ca.Function("length", [y], [NGUYEN2019.Phi_S_inv(y, tendon)])(ca.DM(force).T), dtype=float).ravel()
+
+
+def _inside(question: Question, columns: Mapping[str, Array]) -> np.ndarray:
+    block = question.block
+    domain = ca.Function(
+        "domain", [block.x.vector(), block.u.vector(), block.p.vector()], [ca.mmin(block.domain.vector())]
+    )
+    x = ca.DM(np.stack([columns[name] for name in block.x]))
+    n = x.shape[1]
+    u = ca.DM(np.stack([columns[name] for name in block.u])) if block.u else ca.DM(0, n)
+    return np.array(domain.map(n)(x, u, ca.repmat(ca.DM(question.p), 1, n)), dtype=float).ravel() > 0
+
+
+def _described(question: Question, data: xr.Dataset) -> xr.Dataset:
+    about = {
+        "rank": "number of coordinates that the outputs determine",
+        "conditioning": "smallest singular value of O with columns × typical size",
+        "determinant": "|det| of the map to the fewest output derivatives",
+        "taut": "1 while the tendon carries force",
+    }
+    for name, sentence in about.items():
+        if name in data:
+            data[name].attrs.update(long_name=sentence, units="1")
+    data.attrs.update(
+        sensors=",".join(question.sensors),
+        unknown=question.unknown,
+        order=question.order,
+        coordinates=",".join(question.coordinates),
+    )
+    return data
