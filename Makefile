@@ -5,10 +5,10 @@ BIN := $(VENV)/bin
 CODE := model observers codegen studies hillobs tests benchmarks
 
 .DEFAULT_GOAL := help
-.PHONY: help sim test check format lint types chaos bench clean
+.PHONY: help sim test check format lint types observability chaos bench clean
 
 help: ## show this help
-	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 10
+	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 16
 
 # installed once, and again whenever the dependencies change
 $(VENV)/.installed: pyproject.toml
@@ -34,6 +34,9 @@ lint: $(VENV)/.installed ## ruff's rules
 
 types: $(VENV)/.installed ## mypy, strict
 	cd $(VENV)/types && ../bin/mypy --config-file ../../pyproject.toml -p hillobs
+
+observability: $(VENV)/.installed ## ranks, maps and figures of docs/observability.md
+	$(BIN)/python -m hillobs.studies.observability_study
 
 chaos: $(VENV)/.installed ## long fault injection: kills, full disks, races
 	$(BIN)/python -m pytest -m chaos -p no:cacheprovider

@@ -137,7 +137,8 @@ def figures(result: Path, out: Path | None) -> None:
 @click.argument("scenario", default="paper-clean")
 @click.option("--at", "place", metavar="x1=..,x3=..", help="The point; what is not given is the scenario's at τ = 0.")
 @click.option("--outputs", default="x1,F1,F2", show_default=True, help="Sensors: x1, x2, F1, F2, L_C1, L_C2.")
-@click.option("--unknown", default="none", show_default=True, help="Unknown constants: none, u (Δ, u1, u2) or a.")
+@click.option("--unknown", default="none", show_default=True, help="Unknown: none, u (Δ, u1, u2) or a (Δ, a1, a2).")
+@click.option("--signals", default="0", metavar="S", help="Unknowns as signals: derivatives up to S are unknown too.")
 @click.option("--order", metavar="K", help="Highest Lie derivative; n − 1 by default.")
 @click.option("--tolerance", metavar="T", help="Singular values below this part of the largest are 0.")
 @click.option("--along", is_flag=True, help="Rank along the run of the scenario, written to --out.")
@@ -150,6 +151,7 @@ def observability(
     place: str | None,
     outputs: str,
     unknown: str,
+    signals: str,
     order: str | None,
     tolerance: str | None,
     along: bool,
@@ -164,7 +166,7 @@ def observability(
         from .scenario import parse_change
 
         given = dict(parse_change(text) for text in settings)
-        asked = answer_question(scenario, given, place, outputs, unknown, order, tolerance)
+        asked = answer_question(scenario, given, place, outputs, unknown, order, tolerance, signals)
         if as_json:
             click.echo(asked.json())
         else:

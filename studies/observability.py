@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -54,6 +55,9 @@ PAPER_SENSORS = ("x1", "F1", "F2")
 
 UNKNOWNS = {"none": (), "u": ("Delta", "u1", "u2"), "a": ("Delta", "a1", "a2")}
 
+# `d2u1` is the second derivative of u1
+_DERIVATIVE = re.compile(r"^d\d+")
+
 # a step either side of the point, as a part of the typical size, and the change of O that is a kink
 _BESIDE, _KINK = 1e-6, 1e-2
 
@@ -78,8 +82,8 @@ class Question:
 
     @property
     def sizes(self) -> dict[str, float]:
-        """The typical size of each coordinate."""
-        return {name: SIGNALS[name].size for name in self.coordinates}
+        """The typical size of each coordinate; a derivative's is that of its signal."""
+        return {name: SIGNALS[_DERIVATIVE.sub("", name)].size for name in self.coordinates}
 
 
 @dataclass(frozen=True)
@@ -94,9 +98,17 @@ class Answer:
 
 
 def ask(
-    prepared: Prepared, sensors: Sequence[str] = PAPER_SENSORS, unknown: str = "none", order: int | None = None
+    prepared: Prepared,
+    sensors: Sequence[str] = PAPER_SENSORS,
+    unknown: str = "none",
+    order: int | None = None,
+    derivatives: int = 0,
 ) -> Question:
-    """The question with the scenario's numbers. order: highest Lie derivative, n − 1 by default. ScenarioError."""
+    """The question with the scenario's numbers. ScenarioError says what is wrong with it.
+
+    order: highest Lie derivative, n − 1 by default. derivatives: 0 for constant unknowns, else the unknowns are
+    signals and their derivatives up to this order are coordinates too.
+    """
     if not sensors:
         raise ScenarioError(f"without a sensor nothing can be observed; there are {', '.join(SENSORS)}")
     for name in sensors:
@@ -105,8 +117,10 @@ def ask(
     if unknown not in UNKNOWNS:
         raise ScenarioError(f"unknown inputs {unknown!r}; there are {', '.join(UNKNOWNS)}")
     curves = CURVES[prepared.scenario.choices.get("muscle.curves", NGUYEN2019.name)]
-    block = _plant(unknown, curves)
-    order = len(block.x) - 1 if order is None else order
+    if not 0 <= derivatives <= _HIGHEST:
+        raise ScenarioError(f"the derivatives of the unknowns must be from 0 to {_HIGHEST}, not {derivatives}")
+    block = _plant(unknown, curves, derivatives)
+    order = min(len(block.x) - 1, _HIGHEST) if order is None else order
     if not 0 <= order <= _HIGHEST:
         raise ScenarioError(f"the order of the Lie derivatives must be from 0 to {_HIGHEST}, not {order}")
     outputs = tuple(SENSORS[name].output for name in dict.fromkeys(sensors))
@@ -124,8 +138,8 @@ _PERIOD = 0.005
 
 
 @functools.cache
-def _plant(unknown: str, curves: CurveSet) -> Block:
-    return augmented(pair("given" if unknown == "a" else "virtual", curves), UNKNOWNS[unknown])
+def _plant(unknown: str, curves: CurveSet, derivatives: int) -> Block:
+    return augmented(pair("given" if unknown == "a" else "virtual", curves), UNKNOWNS[unknown], derivatives)
 
 
 @functools.cache
@@ -155,8 +169,10 @@ def at(question: Question, point: Mapping[str, float], tolerance: float = TOLERA
 
     ScenarioError outside the domain.
     """
-    _check_domain(question, point)
+    # the derivatives of unknown signals are 0 unless given
+    point = {**dict.fromkeys(question.block.x, 0.0), **point}
     used = {name: point[name] for name in (*question.block.x, *question.block.u)}
+    _check_domain(question, used)
     kinks, verdict = {}, _verdict(question, point, tolerance)
     for name in _kinks(question, point):
         sides = [_verdict(question, side, tolerance) for side in _beside(question, point, name)]

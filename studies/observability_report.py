@@ -25,8 +25,8 @@ from .table import ScenarioError
 SCALING = "columns × typical size (0.01 for x, Δ, u; 0.5 for a1, 0.1 for a2), rows normalised, zero rows stay zero"
 _INPUTS = {
     "none": "inputs and uncertainty known",
-    "u": "Δ, u1, u2 unknown constants",
-    "a": "Δ, a1, a2 unknown constants",
+    "u": "Δ, u1, u2 unknown",
+    "a": "Δ, a1, a2 unknown",
 }
 Progress = Callable[[float], None]
 
@@ -115,11 +115,13 @@ def answer_question(
     unknown: str,
     order: str | None,
     tolerance: str | None,
+    signals: str = "0",
 ) -> Asked:
     """The question in the words of a command line, answered. ScenarioError names the wrong word."""
     prepared = prepare(source, None, changes)
     names = [name for name in sensors.split(",") if name]
-    question = ask(prepared, names, unknown, _whole("--order", order) if order is not None else None)
+    highest = None if order is None else _whole("--order", order)
+    question = ask(prepared, names, unknown, highest, _whole("--signals", signals))
     point = start_point(prepared) | _place(place or "", question)
     limit = TOLERANCE if tolerance is None else parse_number("--tolerance", tolerance)
     if not 0 < limit < 1:
