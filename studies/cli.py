@@ -162,11 +162,13 @@ def observability(
 ) -> None:
     """Say what these sensors determine at a point of SCENARIO; exit code 0 for full rank, 1 for less."""
     with _user_errors():
-        from .observability_report import answer_question, write_along, write_map
+        from .observability_report import answer_question, check_axes, write_along, write_map
         from .scenario import parse_change
 
         given = dict(parse_change(text) for text in settings)
         asked = answer_question(scenario, given, place, outputs, unknown, order, tolerance, signals)
+        if axes is not None:
+            check_axes(asked, axes)
         if as_json:
             click.echo(asked.json())
         else:

@@ -57,7 +57,10 @@ def dataset(prepared: Prepared, traces: Mapping[str, Trace], library: str) -> xr
                 attributes = _about(f"{block.name}: {about}") | {"observer": block.name, "state": state}
                 data[f"{block.name}_{state}"] = (("time",), traces[block.name].x[:, i], attributes)
     points = max(0, grid.steps - grid.window + 1)
-    errors = {name: measures(traces[name].score, points, grid.h, grid.steps * grid.h) for name in estimators}
+    scores = {name: traces[name].score for name in estimators}
+    if truth.failure:  # the sums stop with the truth, they are no measures of the run
+        scores = {name: dict.fromkeys(sums, np.nan) for name, sums in scores.items()}
+    errors = {name: measures(sums, points, grid.h, grid.steps * grid.h) for name, sums in scores.items()}
     for key in (field.name for field in dataclasses.fields(Measure)):
         values = np.array([[getattr(errors[e][q], key) for q in QUANTITIES] for e in estimators])
         data[key] = (("estimator", "quantity"), values, _about(_MEASURES[key]))
@@ -115,6 +118,7 @@ def _manifest(prepared: Prepared, traces: Mapping[str, Trace], library: str) -> 
 
 def _explain(name: str, failure: Failure) -> str:
     """What failed, when, and the likely reason."""
+    who = "the plant" if name == "truth" else name
     at = f"at τ = {failure.time:g}"
     if failure.group == "domain":
         what = "fibre" if "L_C" in failure.name else "tendon"
@@ -126,4 +130,4 @@ def _explain(name: str, failure: Failure) -> str:
         if name != "truth"
         else "the parameters or the reference ask for more than the muscles can give"
     )
-    return f"{name}: {failure.name} is not a finite number {at}; {reason}"
+    return f"{who}: {failure.name} is not a finite number {at}; {reason}"

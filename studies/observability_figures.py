@@ -43,7 +43,9 @@ def along_figure(data: xr.Dataset) -> Figure:
         top.set_yticks(range(0, n + 1, 1 if n < 6 else 2))
         top.set_ylabel(f"rank of {n}")
         seen = data["conditioning"].where(data["conditioning"] > _NOTHING * data["conditioning"].max())
-        bottom.semilogy(time, seen, color="black", linewidth=_LINE)
+        bottom.set_yscale("log")
+        bottom.set_ylim(_decade(seen.min()) / 3, _decade(seen.max()) * 3)
+        bottom.plot(time, seen, color="black", linewidth=_LINE, scaley=False)
         bottom.set_xlim(time[0], time[-1])
         bottom.set_ylabel(r"$\sigma_{\min}$")
         bottom.set_xlabel(SIGNALS["t"].symbol)
@@ -57,6 +59,11 @@ def along_figure(data: xr.Dataset) -> Figure:
         if (data.taut == 0).any():
             top.legend(loc="lower right", ncols=2)
         return figure
+
+
+def _decade(value: xr.DataArray) -> float:
+    """A limit of a logarithmic axis; 1 where nothing can be seen at all."""
+    return float(value) if value.notnull() else 1.0
 
 
 def explanation(question: Question, point: dict[str, float]) -> Figure:

@@ -47,9 +47,7 @@ def over(
 
     With as many output derivatives as coordinates also `determinant`. ScenarioError for axes that do not exist.
     """
-    if len(axes) != 2 or axes[0] == axes[1]:
-        raise ScenarioError(f"a map has two different axes, such as x3,x4 or x1,{TENSION}, not {','.join(axes)}")
-    ranges = {axis: np.linspace(*_range(question, axis, point), points) for axis in axes}
+    ranges = {axis: np.linspace(*limits, points) for axis, limits in axis_ranges(question, axes, point).items()}
     mesh = dict(zip(axes, np.meshgrid(*ranges.values(), indexing="ij"), strict=True))
     columns = {name: np.full(points**2, value) for name, value in point.items()}
     for axis, values in mesh.items():
@@ -64,6 +62,13 @@ def over(
     if question.unknown != "none" and question.sensors == ("x1", "F1", "F2"):
         data["determinant"] = (dims, np.where(inside, determinant(question, columns), np.nan).reshape(shape))
     return _described(question, xr.Dataset(data, ranges))
+
+
+def axis_ranges(question: Question, axes: Sequence[str], point: Mapping[str, float]) -> dict[str, tuple[float, float]]:
+    """The two axes of a map and where they begin and end. ScenarioError if they are not two, or not there."""
+    if len(axes) != 2 or axes[0] == axes[1]:
+        raise ScenarioError(f"a map has two different axes, such as x3,x4 or x1,{TENSION}, not {','.join(axes)}")
+    return {axis: _range(question, axis, point) for axis in axes}
 
 
 def tendon_edges(question: Question, muscle: str) -> tuple[float, float]:

@@ -129,6 +129,13 @@ def answer_question(
     return Asked(prepared, question, at(question, point, limit), limit)
 
 
+def check_axes(asked: Asked, axes: str) -> None:
+    """ScenarioError if `axes` are not two that a map can have."""
+    from .observability_map import axis_ranges
+
+    axis_ranges(asked.question, axes.split(","), asked.answer.point)
+
+
 def write_along(asked: Asked, folder: Path, _: str, progress: Progress) -> list[Path]:
     """Rank along the run, as NetCDF and figure."""
     from .observability_figures import along_figure

@@ -1,0 +1,191 @@
+"""Results on disk: whole or absent, bit for bit, and damage is found."""
+
+import csv
+import gzip
+import io
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from hillobs.studies.files import ResultError, load, measures_csv, save, writable_folder, write_whole
+from hillobs.studies.simulate import simulate
+
+REFERENCE = Path(__file__).parent / "data" / "paper_clean.csv.gz"
+
+
+@pytest.fixture(scope="module")
+def run() -> xr.Dataset:
+    return simulate("slack", changes={"duration": 0.3, "score.start": 0.1, "seed": 5})
+
+
+def test_what_is_written_is_read_back_bit_for_bit(run: xr.Dataset, tmp_path: Path) -> None:
+    broken = run.copy(deep=True)
+    broken.x_hat[0, 3:] = np.nan
+    save(broken, tmp_path)
+    back = load(tmp_path / "slack.nc")
+    for name, variable in broken.variables.items():
+        np.testing.assert_array_equal(back[name].values.astype(variable.dtype), variable.values, err_msg=str(name))
+    assert {k: v for k, v in back.attrs.items() if k != "checksum"} == broken.attrs
+    assert back.x_hat.dims == ("observer", "time", "state")
+    assert back.x.attrs == {"long_name": "true states", "units": "1"}
+
+
+def test_the_csv_begins_with_the_references_columns(run: xr.Dataset, tmp_path: Path) -> None:
+    save(run, tmp_path)
+    lines = (tmp_path / "slack.csv").read_text().splitlines()
+    with gzip.open(REFERENCE, "rt") as file:
+        names = file.readline().strip().split(",")
+    header = lines[1].split(",")
+    assert lines[0].startswith("# units: 1,")
+    assert len(lines[0].removeprefix("# units: ").split(",")) == len(header)
+    assert header[: len(names)] == names
+    assert len(set(header)) == len(header)
+    assert {"high_gain.a1_hat", "y1", "y2", "y3", "r"} <= set(header)
+    table = np.genfromtxt(lines[2:], delimiter=",")
+    np.testing.assert_array_equal(table[:, header.index("x3")], run.x.sel(state="x3"))
+    np.testing.assert_array_equal(
+        table[:, header.index("sliding_mode.u2_hat")], run.u_hat.sel(observer="sliding_mode", muscle=2)
+    )
+
+
+def test_the_measures_are_a_row_per_observer_and_quantity(run: xr.Dataset) -> None:
+    rows = list(csv.DictReader(io.StringIO(measures_csv(run))))
+    assert list(rows[0]) == [
+        "scenario",
+        "seed",
+        "observer",
+        "quantity",
+        "rmse",
+        "peak",
+        "settling",
+        "chattering",
+        "masked",
+    ]
+    assert len(rows) == 4 * 9
+    assert {row["seed"] for row in rows} == {"5"}
+    row = next(r for r in rows if (r["observer"], r["quantity"]) == ("high_gain", "x2"))
+    assert float(row["rmse"]) == float(run.rmse.sel(estimator="high_gain", quantity="x2"))
+    assert row["chattering"] == ""
+
+
+def test_a_file_follows_the_umask_and_replaces_whole(tmp_path: Path) -> None:
+    path = tmp_path / "file"
+    before = os.umask(0o027)
+    try:
+        write_whole(path, b"one")
+        write_whole(path, b"two")
+    finally:
+        os.umask(before)
+    assert path.read_bytes() == b"two"
+    assert path.stat().st_mode & 0o777 == 0o640
+    assert os.listdir(tmp_path) == ["file"]
+
+
+@pytest.mark.parametrize("place", ["file/below", "/dev/null", "/proc/nothing", "\0"])
+def test_a_folder_that_cannot_be_written_is_a_sentence(place: str, tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(ResultError, match="cannot be written"):
+        writable_folder(tmp_path / place)
+
+
+FULL_DISK = """
+import resource, sys
+from pathlib import Path
+from hillobs.studies.files import ResultError, write_whole
+resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
+try:
+    write_whole(Path(sys.argv[1]) / "out", b"x" * 5000)
+except ResultError as error:
+    print(error)
+"""
+
+
+def test_a_full_disk_leaves_the_old_file_and_nothing_else(tmp_path: Path) -> None:
+    (tmp_path / "out").write_bytes(b"old")
+    done = subprocess.run([sys.executable, "-c", FULL_DISK, tmp_path], capture_output=True, text=True, check=True)
+    assert "cannot be written: File too large" in done.stdout
+    assert os.listdir(tmp_path) == ["out"]
+    assert (tmp_path / "out").read_bytes() == b"old"
+
+
+FAULTY = """
+import errno, os, sys
+from pathlib import Path
+from hillobs.studies.files import ResultError, write_whole
+def fault(event, arguments):
+    if event == sys.argv[2] and sys.argv[1] in str(arguments):
+        raise OSError(errno.EIO, "Input/output error")
+sys.addaudithook(fault)
+try:
+    write_whole(Path(sys.argv[1]) / "out", b"new")
+except ResultError as error:
+    print(error)
+"""
+
+
+@pytest.mark.parametrize("event", ["open", "os.rename", "os.chmod"])
+def test_a_fault_at_each_call_leaves_the_old_file(event: str, tmp_path: Path) -> None:
+    (tmp_path / "out").write_bytes(b"old")
+    done = subprocess.run([sys.executable, "-c", FAULTY, tmp_path, event], capture_output=True, text=True, check=True)
+    assert "out cannot be written: Input/output error" in done.stdout
+    assert os.listdir(tmp_path) == ["out"]
+    assert (tmp_path / "out").read_bytes() == b"old"
+
+
+DAMAGED = """
+import random, sys
+from pathlib import Path
+import numpy as np
+from hillobs.studies.files import ResultError, load
+path = Path(sys.argv[1])
+good = load(path)
+raw = path.read_bytes()
+dice = random.Random(int(sys.argv[2]))
+counts = {"same": 0, "refused": 0}
+for _ in range(int(sys.argv[3])):
+    damaged = bytearray(raw)
+    damaged[dice.randrange(len(raw))] ^= 1 << dice.randrange(8)
+    copy = path.with_name("damaged.nc")
+    copy.write_bytes(damaged)
+    try:
+        back = load(copy)
+    except ResultError:
+        counts["refused"] += 1
+        continue
+    for name in good.variables:
+        nan = good[name].dtype.kind == "f"
+        if name in back.variables and not np.array_equal(good[name], back[name], equal_nan=nan):
+            sys.exit(f"{name} changed in silence")
+    if {**back.attrs} != {**good.attrs}:
+        sys.exit("attributes changed in silence")
+    counts["same"] += 1
+print(counts)
+"""
+
+
+def test_a_flipped_bit_never_gives_other_numbers(run: xr.Dataset, tmp_path: Path) -> None:
+    """96 flips; HDF5 itself may refuse, or not notice a byte that nobody reads."""
+    save(run.isel(time=slice(0, 8)), tmp_path)
+    command = [sys.executable, "-c", DAMAGED, tmp_path / "slack.nc", "1", "96"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert "silence" not in done.stderr, done.stderr
+    assert done.returncode == 0, done.stderr[-500:]
+
+
+@pytest.mark.parametrize("content", [b"", b"not a file", b"\x89HDF\r\n\x1a\n" + b"\0" * 100])
+def test_what_is_no_result_is_refused(content: bytes, tmp_path: Path) -> None:
+    path = tmp_path / "x.nc"
+    path.write_bytes(content)
+    with pytest.raises(ResultError, match=r"x\.nc cannot be read"):
+        load(path)
+
+
+def test_a_foreign_netcdf_is_refused(tmp_path: Path) -> None:
+    xr.Dataset({"a": ("t", [1.0])}).to_netcdf(tmp_path / "x.nc", engine="h5netcdf")
+    with pytest.raises(ResultError, match="no result of hillobs"):
+        load(tmp_path / "x.nc")
