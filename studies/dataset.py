@@ -118,16 +118,15 @@ def _manifest(prepared: Prepared, traces: Mapping[str, Trace], library: str) -> 
 
 def _explain(name: str, failure: Failure) -> str:
     """What failed, when, and the likely reason."""
-    who = "the plant" if name == "truth" else name
-    at = f"at τ = {failure.time:g}"
+    plant = name == "truth"
+    who, at = "the plant" if plant else name, f"at τ = {failure.time:g}"
     if failure.group == "domain":
         what = "fibre" if "L_C" in failure.name else "tendon"
-        return (
-            f"{name}: the {what} length {failure.name} reached 0 {at}: the mass is pulled beyond what a muscle can be"
-        )
+        length = f"the {what} length {failure.name}"
+        return f"{who}: {length} reached 0 {at}: the mass is pulled beyond what a muscle can be"
     reason = (
         "the step is likely too large for the gains, try a smaller one"
-        if name != "truth"
+        if not plant
         else "the parameters or the reference ask for more than the muscles can give"
     )
     return f"{who}: {failure.name} is not a finite number {at}; {reason}"
