@@ -62,7 +62,7 @@ def _curves() -> Iterator[str]:
 
 def _parameters() -> Iterator[str]:
     every = full_table()
-    yield f"{'path':44} {'default':>10}  meaning (source)"
+    yield f"{'path':44} {'default':>10}  meaning [unit, where it is not 1] (source)"
     for path, valid in CHOICES.items():
         yield f"{path:44} {valid[0]:>10}  one of {', '.join(valid)}"
     own = {path: parameter for path, parameter in every.paths.items() if parameter.shared in ("", path)}
