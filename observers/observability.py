@@ -16,6 +16,8 @@ Array = NDArray[np.float64]
 
 # singular values below this part of the largest are zero (spec §10)
 TOLERANCE = 1e-9
+# what cancellation leaves of a Lie derivative that vanishes
+_ROUNDING = 1e-13
 
 
 def augmented(block: Block, unknown: Sequence[str], derivatives: int = 0) -> Block:
@@ -65,6 +67,10 @@ def decoupling_matrix(block: Block, outputs: Sequence[str], unknown: Sequence[st
 
     Where it is square and regular, state and unknowns follow from finitely many derivatives of the outputs.
     """
+    _check(block, outputs, 0)
+    if not unknown or (missing := [name for name in unknown if name not in block.x]):
+        named = ", ".join(missing) if unknown else "none"
+        raise BlockError(f"{block.name}: no coordinate {named} that could be unknown; there are {', '.join(block.x)}")
     w = ca.vertcat(*(block.x[name] for name in unknown))
     rows = []
     for name in outputs:
@@ -96,31 +102,42 @@ class Verdict:
 def judge(
     matrix: Array, coordinates: Sequence[str], sizes: Mapping[str, float], outputs: int, tolerance: float = TOLERANCE
 ) -> Verdict:
-    """The verdict on O at one point; sizes: typical size of each coordinate, outputs: rows per order."""
-    scaled = scale(matrix, [sizes[name] for name in coordinates])
+    """The verdict on O at one point; sizes: typical size of each coordinate, outputs: rows per order.
+
+    BlockError if O is not finite there.
+    """
+    if not np.isfinite(matrix).all():
+        raise BlockError("the observability matrix is not finite at this point")
+    scaled = scale(matrix, [sizes[name] for name in coordinates], outputs)
     values = _singular_values(scaled)
-    rank = _rank(scaled, tolerance)
-    ranks = tuple(_rank(scaled[: outputs * k], tolerance) for k in range(1, len(matrix) // outputs + 1))
+    smallest = tolerance * values[0]
+    rank = _rank(scaled, smallest)
+    ranks = tuple(_rank(scaled[: outputs * k], smallest) for k in range(1, len(matrix) // outputs + 1))
     without = {name: np.delete(scaled, i, axis=1) for i, name in enumerate(coordinates)}
-    lost = tuple(name for name, rest in without.items() if _rank(rest, tolerance) == rank)
+    lost = tuple(name for name, rest in without.items() if _rank(rest, smallest) == rank)
     kernel = np.linalg.svd(scaled)[2][rank:]
     return Verdict(
         tuple(coordinates), rank, ranks, tuple(values.tolist()), lost, tuple(_words(row, coordinates) for row in kernel)
     )
 
 
-def scale(matrix: Array, sizes: Sequence[float]) -> Array:
-    """Columns × typical size, rows normalised; zero rows stay zero. Works on a stack of matrices too."""
+def scale(matrix: Array, sizes: Sequence[float], outputs: int) -> Array:
+    """Columns × typical size, rows normalised; zero rows stay zero. Works on a stack of matrices too.
+
+    A row that is smaller than the rounding of the same output's row one order below is zero.
+    """
     columns = matrix * np.asarray(sizes)
     norms = np.linalg.norm(columns, axis=-1, keepdims=True)
-    scaled: Array = np.divide(columns, norms, out=np.zeros_like(columns), where=norms > 0)
+    below = np.concatenate([np.zeros_like(norms[..., :outputs, :]), norms[..., :-outputs, :]], axis=-2)
+    scaled: Array = np.divide(columns, norms, out=np.zeros_like(columns), where=norms > _ROUNDING * below)
     return scaled
 
 
-def ranks_of(matrices: Array, sizes: Sequence[float], tolerance: float = TOLERANCE) -> NDArray[np.int64]:
-    """The rank of each matrix of a stack (points × rows × columns)."""
-    values = _singular_values(scale(matrices, sizes))
-    ranks: NDArray[np.int64] = np.sum(values > tolerance * values[:, :1], axis=1)
+def ranks_of(matrices: Array, sizes: Sequence[float], outputs: int, tolerance: float = TOLERANCE) -> NDArray[np.int64]:
+    """The rank of each matrix of a stack (points × rows × columns); −1 where it is not finite."""
+    finite = np.asarray(np.isfinite(matrices).all(axis=(1, 2)))
+    values = _singular_values(scale(np.where(finite[:, None, None], matrices, 0.0), sizes, outputs))
+    ranks: NDArray[np.int64] = np.where(finite, np.sum(values > tolerance * values[:, :1], axis=1), -1)
     return ranks
 
 
@@ -128,9 +145,8 @@ def _singular_values(matrices: Array) -> Array:
     return np.asarray(np.linalg.svd(matrices, compute_uv=False), dtype=np.float64)
 
 
-def _rank(matrix: Array, tolerance: float) -> int:
-    values = _singular_values(matrix)
-    return int(np.sum(values > tolerance * values[0])) if values.size else 0
+def _rank(matrix: Array, smallest: float) -> int:
+    return int(np.sum(_singular_values(matrix) > smallest))
 
 
 def _words(direction: Array, coordinates: Sequence[str]) -> dict[str, float]:
@@ -144,6 +160,10 @@ def _check(block: Block, outputs: Sequence[str], order: int) -> None:
         raise BlockError(f"{block.name}: without an output nothing can be observed; there are {', '.join(block.y)}")
     if missing := [name for name in outputs if name not in block.y]:
         raise BlockError(f"{block.name}: no output {', '.join(missing)}; there are {', '.join(block.y)}")
+    if jumping := [*block.next, *block.per_step]:
+        raise BlockError(
+            f"{block.name}: Lie derivatives need continuous states, but {', '.join(jumping)} moves in jumps"
+        )
     if order < 0:
         raise BlockError(f"{block.name}: the order of the Lie derivatives must be at least 0, not {order}")
 

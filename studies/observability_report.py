@@ -30,6 +30,9 @@ _INPUTS = {
 }
 Progress = Callable[[float], None]
 
+# the outputs' relative degrees: with Lie derivatives up to 2 every unknown constant has appeared
+_ENOUGH = 2
+
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
@@ -42,6 +45,7 @@ class Asked:
     question: Question
     answer: Answer
     tolerance: float
+    many: Question  # the same with the order that maps and runs use
 
     def summary(self) -> str:
         """One sentence: what was asked, and the rank."""
@@ -126,7 +130,9 @@ def answer_question(
     limit = TOLERANCE if tolerance is None else parse_number("--tolerance", tolerance)
     if not 0 < limit < 1:
         raise ScenarioError(f"--tolerance must be between 0 and 1, not {limit:g}")
-    return Asked(prepared, question, at(question, point, limit), limit)
+    # higher orders add no rank to the pair, but minutes to the compiler
+    many = question if highest is not None else ask(prepared, names, unknown, _ENOUGH, _whole("--signals", signals))
+    return Asked(prepared, question, at(question, point, limit), limit, many)
 
 
 def check_axes(asked: Asked, axes: str) -> None:
@@ -141,7 +147,7 @@ def write_along(asked: Asked, folder: Path, _: str, progress: Progress) -> list[
     from .observability_figures import along_figure
     from .observability_map import along
 
-    data = along(asked.prepared, asked.question, progress)
+    data = along(asked.prepared, asked.many, progress)
     return _write(data, {"along": along_figure(data)}, folder, f"{asked.prepared.scenario.name}-observability", "along")
 
 
@@ -151,8 +157,8 @@ def write_map(asked: Asked, folder: Path, axes: str, progress: Progress) -> list
     from .observability_map import over
 
     names = axes.split(",")
-    data = over(asked.question, names, asked.answer.point, progress=progress)
-    figure = {f"map-{'-'.join(names)}": map_figure(data, asked.question)}
+    data = over(asked.many, names, asked.answer.point, progress=progress)
+    figure = {f"map-{'-'.join(names)}": map_figure(data, asked.many)}
     return _write(data, figure, folder, f"{asked.prepared.scenario.name}-observability", f"map-{'-'.join(names)}")
 
 
