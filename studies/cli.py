@@ -139,7 +139,9 @@ def figures(result: Path, out: Path | None) -> None:
 @click.option("--outputs", default="x1,F1,F2", show_default=True, help="Sensors: x1, x2, F1, F2, L_C1, L_C2.")
 @click.option("--unknown", default="none", show_default=True, help="Unknown: none, u (Δ, u1, u2) or a (Δ, a1, a2).")
 @click.option("--signals", default="0", metavar="S", help="Unknowns as signals: derivatives up to S are unknown too.")
-@click.option("--order", metavar="K", help="Highest Lie derivative; n − 1 by default, 2 for --along and --map.")
+@click.option(
+    "--order", metavar="K", help="Highest Lie derivative; n − 1 by default (maps and runs: as many as add rank)."
+)
 @click.option("--tolerance", metavar="T", help="Singular values below this part of the largest are 0.")
 @click.option("--along", is_flag=True, help="Rank along the run of the scenario, written to --out.")
 @click.option("--map", "axes", metavar="A,B", help="Rank over two coordinates, such as x3,x4 or x1,tension, to --out.")

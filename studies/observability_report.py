@@ -30,8 +30,8 @@ _INPUTS = {
 }
 Progress = Callable[[float], None]
 
-# the outputs' relative degrees: with Lie derivatives up to 2 every unknown constant has appeared
-_ENOUGH = 2
+# with Lie derivatives up to 2 every unknown constant has appeared in the paper's outputs
+_LEAST = 2
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -130,9 +130,12 @@ def answer_question(
     limit = TOLERANCE if tolerance is None else parse_number("--tolerance", tolerance)
     if not 0 < limit < 1:
         raise ScenarioError(f"--tolerance must be between 0 and 1, not {limit:g}")
-    # higher orders add no rank to the pair, but minutes to the compiler
-    many = question if highest is not None else ask(prepared, names, unknown, _ENOUGH, _whole("--signals", signals))
-    return Asked(prepared, question, at(question, point, limit), limit, many)
+    answer, many = at(question, point, limit), question
+    if highest is None:
+        # orders beyond those that add rank at the point would only cost the compiler time
+        enough = max(_LEAST, answer.verdict.ranks.index(answer.verdict.rank))
+        many = ask(prepared, names, unknown, min(enough, question.order), _whole("--signals", signals))
+    return Asked(prepared, question, answer, limit, many)
 
 
 def check_axes(asked: Asked, axes: str) -> None:
