@@ -33,6 +33,12 @@ OBSERVERS = {
     ),
 }
 
+
+def label(name: str) -> str:
+    """What tables and figures call an observer."""
+    return OBSERVERS[name].label if name in OBSERVERS else name
+
+
 _ACTIVATIONS = ("a1_hat", "a2_hat")
 
 
@@ -48,6 +54,7 @@ def estimator(observer: Block, curves: CurveSet = NGUYEN2019) -> Block:
     if all(name in observer.y for name in _ACTIVATIONS):
         return rename(observer, observer.name, {}, [*ESTIMATES, *_ACTIVATIONS])
     reconstruction = activation_estimate(curves)
+    _refuse_clashes(observer, reconstruction)
     connections = {f"{observer.name}.{port}": port for port in observer.u}
     connections |= {f"activation.{name}": f"{observer.name}.{name}" for name in ESTIMATES}
     external = {port: "t" if port == "t" else "held" if port in observer.held else "staged" for port in observer.u}
@@ -56,9 +63,24 @@ def estimator(observer: Block, curves: CurveSet = NGUYEN2019) -> Block:
     return rename(wired, observer.name, {key: key.partition(".")[2] for key in every}, [*ESTIMATES, *_ACTIVATIONS])
 
 
+def _refuse_clashes(observer: Block, reconstruction: Block) -> None:
+    """A name of the observer that the activation has too must be the same shared number."""
+    for name, parameter in reconstruction.parameters.items():
+        own = observer.parameters.get(name)
+        if own is not None and (not own.shared or own.shared != parameter.shared):
+            raise BlockError(
+                f"{observer.name}: the activation behind it has a parameter {name} too; give yours another name"
+                + (f", or share {parameter.shared}" if parameter.shared else "")
+            )
+    if same := [name for name in reconstruction.guards if name in observer.guards]:
+        raise BlockError(
+            f"{observer.name}: the activation behind it has the guard {same[0]} too; give yours another name"
+        )
+
+
 def baseline_estimator(curves: CurveSet = NGUYEN2019) -> Block:
     """The trivial baseline, wired like an observer."""
     return estimator(baseline(curves), curves)
 
 
-__all__ = ["ESTIMATES", "OBSERVERS", "Observer", "baseline_estimator", "estimator", "hat"]
+__all__ = ["ESTIMATES", "OBSERVERS", "Observer", "baseline_estimator", "estimator", "hat", "label"]

@@ -11,7 +11,7 @@ from ..model.curves import NGUYEN2019, CurveSet, per_muscle
 from ..model.dialect import clamp, dead_zone, root, sg
 from ..model.skeleton import MASS
 from ..model.symbols import MEASURED
-from .conditions import Condition, above, below, between, equal, positive
+from .conditions import RK4_LIMIT, Condition, above, below, between, equal, positive
 from .ports import START, estimates, output_errors, start
 
 _PAPER, _CHOSEN = "paper, §V", "chosen, spec §6"
@@ -135,13 +135,15 @@ def _second_layer(r: ca.SX, growth: ca.SX, p: Symbols) -> ca.SX:
 
 def conditions(p: Symbols, facts: Symbols) -> list[Condition]:
     """What theorem [thm_ao], the dual-layer law and the integration step ask of the gains."""
-    positives = ("eta1", "eta2", "l0", "r00", "r01", "r02", "gamma_a0", "gamma_a1", "gamma_a2", "tau_a")
+    positives = ("eta1", "eta2", "l0", "r00", "r01", "r02", "gamma_a0", "gamma_a1", "gamma_a2", "tau_a", "delta_a")
+    dead_zones = ("delta00", "delta01", "delta02")
+    fastest = ca.fmax(p.r00, ca.fmax(p.r01, p.r02))
     return [
         above("β₀ > 1", p.beta0, 1),
         equal("α₀ = 2√(2β₀)", p.alpha0, 2 * ca.sqrt(2 * p.beta0)),
         *between("0 < a < 1/β₀", p.a_dual, 0, 1 / p.beta0),
         *(c for j in (1, 2) for c in between(f"0 < α_a{j} < 1", p[f"alpha_a{j}"], 0, 1)),
-        *(positive(f"{name} > 0", p[name]) for name in (*positives, "eps_a0", "eps_a1", "eps_a2")),
+        *(positive(f"{name} > 0", p[name]) for name in (*positives, *dead_zones, "eps_a0", "eps_a1", "eps_a2")),
         *(
             above(
                 f"ε_a{j}²/4 > δ₀{j}² + (q sup|{rate}|/α)²/γ_a{j} (dual layer)",
@@ -156,9 +158,9 @@ def conditions(p: Symbols, facts: Symbols) -> list[Condition]:
         ),
         below("h < 2δ_a/(k + η) (integration)", facts.h, 2 * p.delta_a / (p.k_0 + ca.fmax(p.eta1, p.eta2))),
         below("h < 2τ_a (integration)", facts.h, 2 * p.tau_a),
-        below("(r₀ + r_max) h/δ_a < 2.78 (integration)", (p.r01 + p.r_max) * facts.h / p.delta_a, _RK4_LIMIT),
+        below("(r₀ + r_max) h/δ_a < 2.78 (integration)", (fastest + p.r_max) * facts.h / p.delta_a, RK4_LIMIT),
     ]
 
 
-# |d|û|/dτ| ≤ q sup|u̇|, and the end of RK4's stability interval on the negative axis
-_Q, _RK4_LIMIT = 1.1, 2.78
+# |d|û|/dτ| ≤ q sup|u̇|
+_Q = 1.1

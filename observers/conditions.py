@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
@@ -13,12 +14,14 @@ from ..model.block import Symbols
 # what the conditions may use beside the observer's parameters, and what it means
 FACTS = {
     "h": "integration step",
-    "U_m": "bound of |u_j|: the controller's limit",
-    "sup_dDelta": "largest |Δ̇| of the true run",
-    "sup_du1": "largest |u̇₁| of the true run",
-    "sup_du2": "largest |u̇₂| of the true run",
+    "U_m": "bound of |u_j|: the controller's limit, or what the run exceeded it by",
+    "sup_dDelta": "largest |Δ̇| between recorded points of the true run",
+    "sup_du1": "largest |u̇₁| between recorded points of the true run",
+    "sup_du2": "largest |u̇₂| between recorded points of the true run",
 }
 
+# the end of RK4's stability interval on the negative axis
+RK4_LIMIT = 2.78
 # two numbers that are printed equal are equal
 _EQUAL = 1e-6
 
@@ -82,11 +85,12 @@ def between(name: str, value: ca.SX, low: ca.SX | float, high: ca.SX | float) ->
 
 
 def check(conditions: list[Condition], symbols: Symbols, values: Mapping[str, float]) -> list[Checked]:
-    """Each condition with numbers: `values` for every symbol. A NaN on either side does not hold."""
+    """Each condition with numbers, `values` for every symbol; one with a number that is not known is left out."""
     sides = ca.vertcat(*(ca.horzcat(c.left, c.right) for c in conditions))
     function = ca.Function("conditions", [symbols.vector()], [sides])
     numbers = np.array(function([values[name] for name in symbols]), dtype=float).reshape(-1, 2)
     return [
         Checked(c.name, left, c.relation, right, bool(_HOLDS[c.relation](left, right)))
         for c, (left, right) in zip(conditions, numbers.tolist(), strict=True)
+        if not math.isnan(left + right)
     ]

@@ -6,7 +6,7 @@ from ..model.block import Block, Parameter, Symbols, symbols
 from ..model.curves import NGUYEN2019, CurveSet, per_muscle
 from ..model.skeleton import MASS
 from ..model.symbols import MEASURED
-from .conditions import Condition, above, between, positive
+from .conditions import RK4_LIMIT, Condition, above, below, between, positive
 from .ports import START, estimates, output_errors, start
 
 _PAPER = "paper, §V"
@@ -58,4 +58,5 @@ def conditions(p: Symbols, facts: Symbols) -> list[Condition]:
         *between("0 < ε_h < 1", p.eps_h, 0, 1),
         *(positive(f"{h} > 0", p[h]) for h in ("h11", "h12", "h13", "h21", "h22", "h31", "h32")),
         above("s³ + h₁₁s² + h₁₂s + h₁₃ Hurwitz: h₁₁h₁₂ > h₁₃", p.h11 * p.h12, p.h13),
+        below("h h₁₁/ε_h < 2.78 (integration)", facts.h * p.h11 / p.eps_h, RK4_LIMIT),
     ]

@@ -10,7 +10,7 @@ from ..model.symbols import QUANTITIES, SIGNALS, hat, muscle_of
 # the differences of these from sample to sample are the chattering
 CHATTERING = ("Delta", "u1", "u2", "a1", "a2")
 SUMS = ("squares", "count", "peak", "settling")
-CHATTER_SUMS = ("chatter", "chatter_count", "previous")
+CHATTER_SUMS = ("chatter", "pairs", "previous", "counted")
 
 _TAUT = {"muscle1": "taut1", "muscle2": "taut2"}
 
@@ -23,7 +23,7 @@ def score() -> Block:
     """Inputs: t, the truth, the estimates; held: `window` (1 while errors count), `sample` (1 at a sample instant).
 
     States per quantity: squares, count (of the window), peak, settling (over the whole run), and for the
-    chattering ones chatter, chatter_count, previous. A quantity counts only while its tendon is taut.
+    chattering ones chatter, pairs, previous, counted. A quantity counts only while its tendon is taut.
     """
     truth, taut = symbols(QUANTITIES), symbols(_TAUT.values())
     estimate = symbols(hat(name) for name in QUANTITIES)
@@ -50,11 +50,12 @@ def score() -> Block:
             settling=_switch(counts * ca.fabs(error) > p[f"tolerance.{name}"], flags.t, state.settling),
         )
         if name in CHATTERING:
-            # the first sample of the window has no predecessor in it
-            follows = flags.window * flags.sample * counts
-            now["chatter"] = state.chatter + follows * ca.fabs(value - state.previous) * (state.chatter_count > 0)
-            now["chatter_count"] = state.chatter_count + follows
+            # a pair of neighbouring samples, both in the window and both taut
+            pair = flags.sample * flags.window * counts * state.counted
+            now["chatter"] = state.chatter + pair * ca.fabs(value - state.previous)
+            now["pairs"] = state.pairs + pair
             now["previous"] = _switch(flags.sample, value, state.previous)
+            now["counted"] = _switch(flags.sample, flags.window * counts, state.counted)
         x |= {f"{name}.{key}": symbol for key, symbol in state.items()}
         per_step |= {f"{name}.{key}": expression for key, expression in now.items()}
     return Block(

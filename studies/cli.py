@@ -1,33 +1,36 @@
-"""The command line: `hillobs simulate`, `show`, `list`, `figures`, `errata`, `info`, `clean`."""
+"""The command line: `hillobs simulate`, `show`, `list`, `figures`, `observability`, `errata`, `info`, `clean`."""
 
 from __future__ import annotations
 
 import contextlib
+import os
 import sys
 import warnings
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, TextIO
+from typing import TYPE_CHECKING, NoReturn, TextIO
 
 import click
 
 if TYPE_CHECKING:
     import xarray as xr
+    from rich.table import Table
 
     from .observability_report import Asked
 
-# what a user's mistake raises; everything else is ours and shows its traceback
-_USAGE, _NUMERICAL, _INTERRUPTED = 2, 1, 130
+# exit codes; a rank that is not full is no failure, but a script must see it
+_USAGE, _NUMERICAL, _DEFICIENT, _INTERRUPTED, _READER_GONE = 2, 1, 1, 130, 141
 
 
 def main() -> None:
-    """Run the command line and exit: 0 done, 1 numbers failed, 2 wrong input, 130 interrupted."""
+    """Run the command line and exit: 0 done, 1 numbers failed or rank deficient, 2 wrong input, 130 interrupted."""
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")
     warnings.showwarning = _show_warning
     try:
         commands(standalone_mode=False)
+        sys.stdout.flush()
     except click.exceptions.Exit as done:
         sys.exit(done.exit_code)
     except click.ClickException as error:
@@ -36,8 +39,7 @@ def main() -> None:
     except (click.Abort, KeyboardInterrupt):
         sys.exit(_INTERRUPTED)
     except BrokenPipeError:
-        _forget_stdout()
-        sys.exit(0)
+        _leave_quietly()
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
@@ -66,11 +68,11 @@ def simulate(
     """Simulate scenarios (the paper's two by default), print their measures, write results and figures."""
     failed = False
     with _user_errors():
-        from .files import save, writable_folder
+        from .files import refuse_same_names, save, writable_folder
         from .prepare import prepare
         from .report import failures
         from .scenario import parse_change
-        from .simulate import simulate_prepared
+        from .simulate import RunWarning, simulate_prepared
 
         changes = dict(parse_change(text) for text in settings)
         for path, value in (("seed", seed), ("step", step)):
@@ -78,18 +80,20 @@ def simulate(
                 changes |= dict([parse_change(f"{path}={value}")])
         names = scenarios or ("paper-clean", "paper-noisy")
         every = [prepare(name, list(observers) or None, changes) for name in names]
+        refuse_same_names([prepared.scenario.name for prepared in every])
         folder = writable_folder(Path(out))
         for prepared in every:
             name = prepared.scenario.name
-            with _progress(f"{name}: simulating") as advance:
+            with _progress(f"{name}: simulating") as advance, warnings.catch_warnings():
+                warnings.simplefilter("ignore", RunWarning)  # its reason is printed below
                 dataset = simulate_prepared(prepared, advance)
-            _print_report(dataset)
             written = save(dataset, folder)
             if not no_figures:
                 from .figures import save_figures
 
-                with _progress(f"{name}: drawing") as advance:
+                with _progress(f"{name}: drawing"):
                     written += save_figures(dataset, folder, name)
+            _print_report(dataset)
             click.echo(_written(written) + "\n")
             for sentence in failures(dataset):
                 _complain(sentence)
@@ -180,24 +184,20 @@ def observability(
                 with _progress("observability") as advance:
                     paths = write(asked, Path(out), axes or "", advance)
                 click.echo(_written(paths), err=as_json)
-    sys.exit(0 if asked.answer.verdict.full else _NUMERICAL)
+    sys.exit(0 if asked.answer.verdict.full else _DEFICIENT)
 
 
 @commands.command()
 def errata() -> None:
     """Run the controller and the adaptive observer as printed beside the corrected ones."""
     with _user_errors():
-        from rich.console import Console
-
         from .errata import errata as study
         from .errata_tables import tables
 
         with _progress("errata") as advance:
             results = study(advance)
-        console = Console()
         for table in tables(results):
-            console.print(table)
-            console.print()
+            _print_table(table)
 
 
 @commands.command()
@@ -221,28 +221,31 @@ def clean() -> None:
 
 
 def _print_answer(asked: Asked) -> None:
-    from rich.console import Console
-
     click.echo(asked.summary() + "\n")
-    Console().print(asked.table())
-    click.echo()
+    _print_table(asked.table())
     for sentence in asked.details():
         click.echo(sentence)
 
 
 def _print_report(dataset: xr.Dataset) -> None:
-    from rich.console import Console
-
     from .report import notes, tables
 
     click.echo(f"{dataset.attrs['scenario']}, seed {dataset.attrs['seed']}: {dataset.attrs['description']}\n")
-    console = Console()
     for title, table in tables(dataset):
         click.echo(title)
-        console.print(table)
-        click.echo()
+        _print_table(table)
     for note in notes(dataset):
         click.echo(note)
+
+
+def _print_table(table: Table) -> None:
+    """A table and a blank line, through click: rich would end the program when a pipe closes."""
+    from rich.console import Console
+
+    console = Console()
+    with console.capture() as text:
+        console.print(table)
+    click.echo(text.get())
 
 
 @contextlib.contextmanager
@@ -266,9 +269,12 @@ def _user_errors() -> Iterator[None]:
 
     try:
         yield
+        sys.stdout.flush()
     except (ScenarioError, ResultError, BuildError, BlockError) as error:
         _complain(str(error))
         sys.exit(_USAGE)
+    except BrokenPipeError:  # before click sees it and exits with 1
+        _leave_quietly()
 
 
 def _show_warning(
@@ -291,7 +297,7 @@ def _written(paths: list[Path]) -> str:
     """Where what was written is; figures are only counted."""
     data = [path.name for path in paths if path.suffix not in (".png", ".pdf")]
     drawn = len(paths) - len(data)
-    names = [*data, *([f"{drawn} figures"] if drawn else [])]
+    names = [*data, *([f"{drawn // 2} figures as PNG and PDF"] if drawn else [])]
     return _escaped(f"written to {paths[0].parent}/: {', '.join(names)}")
 
 
@@ -299,7 +305,7 @@ def _escaped(text: str) -> str:
     return "".join(c if c.isprintable() or c == "\n" else c.encode("unicode_escape").decode() for c in text)
 
 
-def _forget_stdout() -> None:
-    """The reader is gone: what is left in the buffer must not raise at exit."""
-    with contextlib.suppress(OSError):
-        sys.stdout.close()
+def _leave_quietly() -> NoReturn:
+    """The reader of a pipe is gone: what is left in the buffer goes nowhere."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    sys.exit(_READER_GONE)

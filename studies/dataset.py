@@ -122,8 +122,9 @@ def _explain(name: str, failure: Failure) -> str:
     who, at = "the plant" if plant else name, f"at τ = {failure.time:g}"
     if failure.group == "domain":
         what = "fibre" if "L_C" in failure.name else "tendon"
-        length = f"the {what} length {failure.name}"
-        return f"{who}: {length} reached 0 {at}: the mass is pulled beyond what a muscle can be"
+        if failure.time == 0:
+            return f"{who}: it starts outside its domain, the {what} length {failure.name} is not positive"
+        return f"{who}: the {what} length {failure.name} reached 0 {at}: the mass is pulled beyond what a muscle can be"
     reason = (
         "the step is likely too large for the gains, try a smaller one"
         if not plant

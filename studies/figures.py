@@ -24,6 +24,7 @@ from ..codegen.library import Array
 from ..model.block import Symbols
 from ..model.curves import CURVES, CurveSet
 from ..model.symbols import MUSCLES, SIGNALS, STATES, hat
+from ..observers import label
 from . import style
 from .files import write_whole
 from .views import Flags, limits, series, slack, start
@@ -144,8 +145,8 @@ def _travel(axes: Axes, time: Array, values: Array) -> float:
 def _name(dataset: xr.Dataset, observer: str) -> str:
     """The observer in the legend, with the time at which it failed."""
     lost = np.asarray(~np.isfinite(dataset["x_hat"].sel(observer=observer))).any(axis=1)
-    label = style.observer_label(observer)
-    return rf"{label} (fails at $\tau$ = {_time(dataset)[np.argmax(lost)]:g})" if lost.any() else label
+    name = label(observer)
+    return rf"{name} (fails at $\tau$ = {_time(dataset)[np.argmax(lost)]:g})" if lost.any() else name
 
 
 def _legend(figure: Figure, dataset: xr.Dataset, any_slack: bool) -> None:

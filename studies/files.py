@@ -9,7 +9,7 @@ import io
 import json
 import os
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -57,6 +57,12 @@ def writable_folder(folder: Path) -> Path:
         raise ResultError(f"{folder} cannot be written to: {getattr(error, 'strerror', None) or error}") from error
 
 
+def refuse_same_names(names: Sequence[str]) -> None:
+    """ResultError if two results would be written under one name."""
+    if double := sorted({name for name in names if names.count(name) > 1}):
+        raise ResultError(f"two scenarios are called {double[0]}: their results would overwrite each other")
+
+
 def save(dataset: xr.Dataset, folder: Path) -> list[Path]:
     """The Dataset as NetCDF, its time series and its measures as CSV; the paths written."""
     stem = dataset.attrs["scenario"]
@@ -81,7 +87,8 @@ def load(path: Path) -> xr.Dataset:
         with xr.open_dataset(path, engine="h5netcdf") as file:
             dataset = file.load()
     except (OSError, ValueError, RuntimeError, KeyError) as error:
-        reason = getattr(error, "strerror", None) or "it is no NetCDF file, or it is damaged"
+        number = error.errno if isinstance(error, OSError) else None
+        reason = os.strerror(number) if number else "it is no NetCDF file, or it is damaged"
         raise ResultError(f"{path} cannot be read: {reason}") from error
     if dataset.attrs.get(_CHECKSUM) != _checksum(dataset.attrs):
         raise ResultError(f"{path} is no result of hillobs, or its attributes are damaged")

@@ -22,10 +22,11 @@ def gain_conditions(prepared: Prepared, truth: Trace) -> dict[str, list[Checked]
         rates = np.abs(np.diff(signal[name])) / spacing
         return float(np.nanmax(rates)) if np.isfinite(rates).any() else math.nan
 
-    driven = prepared.scenario.drive != "given"
+    largest = float(np.nanmax(np.abs([signal["u1"], signal["u2"]]), initial=0.0))
+    limit = prepared.value("controller.u_max") if prepared.scenario.drive != "given" else 0.0
     facts = {
         "h": prepared.grid.h,
-        "U_m": prepared.value("controller.u_max") if driven else float(np.nanmax(np.abs([signal["u1"], signal["u2"]]))),
+        "U_m": max(limit, largest),
         **{f"sup_d{name}": supremum(name) for name in ("Delta", "u1", "u2")},
     }
     result = {}

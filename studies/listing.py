@@ -37,8 +37,10 @@ def information() -> Iterator[str]:
         yield f"compiler  {' '.join(compiler.command)}: {compiler.version.splitlines()[0]}"
     except BuildError as error:
         yield f"compiler  {error}"
-    for name, value in describe_cache().items():
-        yield f"{name:9} {value}"
+    cache = describe_cache()
+    yield f"cache     {cache['folder']}: {cache['libraries']} libraries, {cache['bytes']} bytes"
+    if cache["problem"]:
+        yield f"          it {cache['problem']}"
 
 
 def _scenarios() -> Iterator[str]:
@@ -67,5 +69,6 @@ def _parameters() -> Iterator[str]:
         yield f"{path:44} {valid[0]:>10}  one of {', '.join(valid)}"
     own = {path: parameter for path, parameter in every.paths.items() if parameter.shared in ("", path)}
     yield from (f"{path:44} {p.default:>10.6g}  {describe(p)}" for path, p in own.items())
-    yield "`muscle.k` sets muscle1.k and muscle2.k; likewise all of muscle, and pulse."
+    yield "`muscle.k` sets muscle1.k and muscle2.k; likewise all of muscle, and pulse. In one file or on one command"
+    yield "line muscle1.k wins over muscle.k, whatever their order; a command line wins over a file."
     yield "An observer or the controller may have its own m, C, muscle.…, initial.…: high_gain.m, controller.muscle1.k."

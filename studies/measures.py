@@ -31,8 +31,8 @@ def _measure(name: str, score: Mapping[str, float], window_points: int, h: float
     # RMSE = √(Σ error²/n),  n the points at which the tendon was taut
     rmse = math.sqrt(score[f"{name}.squares"] / count) if count else math.nan
     chattering = math.nan
-    if name in CHATTERING and (differences := score[f"{name}.chatter_count"] - 1) > 0:
-        chattering = score[f"{name}.chatter"] / differences
+    if name in CHATTERING and (pairs := score[f"{name}.pairs"]) > 0:
+        chattering = score[f"{name}.chatter"] / pairs
     return Measure(
         rmse=rmse,
         peak=score[f"{name}.peak"],

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import itertools
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -60,6 +61,8 @@ _DERIVATIVE = re.compile(r"^d\d+")
 
 # a step either side of the point, as a part of the typical size, and the change of O that is a kink
 _BESIDE, _KINK = 1e-6, 1e-2
+# a jump is still there this much nearer, where a steep slope has shrunk
+_NEARER = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,12 +176,12 @@ def at(question: Question, point: Mapping[str, float], tolerance: float = TOLERA
     point = {**dict.fromkeys(question.block.x, 0.0), **point}
     used = {name: point[name] for name in (*question.block.x, *question.block.u)}
     _check_domain(question, used)
-    kinks, verdict = {}, _verdict(question, point, tolerance)
-    for name in _kinks(question, point):
-        sides = [_verdict(question, side, tolerance) for side in _beside(question, point, name)]
-        kinks[name] = (sides[0].rank, sides[1].rank)
-        # derivatives at the kink itself belong to neither side
-        verdict = min(sides, key=lambda side: side.rank)
+    verdict, kinked = _verdict(question, point, tolerance), list(_kinks(question, point))
+    if kinked:
+        # derivatives at a kink itself belong to neither side: the lowest rank of all corners counts
+        corners = (_corner(question, point, kinked, signs) for signs in itertools.product((-1, 1), repeat=len(kinked)))
+        verdict = min((_verdict(question, corner, tolerance) for corner in corners), key=lambda corner: corner.rank)
+    kinks = {name: _ranks_beside(question, point, name, tolerance) for name in kinked}
     spread = deviations(
         question.block,
         _vectors(question, point),
@@ -281,21 +284,34 @@ _LIMITS = {
 
 
 def _kinks(question: Question, point: Mapping[str, float]) -> Iterator[str]:
-    """Coordinates on whose two sides O differs."""
+    """Coordinates on whose two sides O differs, however near the sides are: a steep slope shrinks, a jump does not."""
     for name in question.coordinates:
-        below, above = (
-            np.array(question.matrix(*_vectors(question, side), question.p), dtype=float)
-            for side in _beside(question, point, name)
-        )
-        largest = np.maximum(np.abs(below).max(axis=1), np.abs(above).max(axis=1))
-        if (np.abs(above - below).max(axis=1) > _KINK * largest).any():
+        jumps = []
+        for nearer in (1.0, _NEARER):
+            below, above = (
+                np.array(question.matrix(*_vectors(question, side), question.p), dtype=float)
+                for side in (_corner(question, point, [name], [sign], nearer) for sign in (-1, 1))
+            )
+            largest = np.maximum(np.abs(below).max(axis=1), np.abs(above).max(axis=1))
+            jumps.append(np.abs(above - below).max(axis=1) > _KINK * largest)
+        if (jumps[0] & jumps[1]).any():
             yield name
 
 
-def _beside(question: Question, point: Mapping[str, float], name: str) -> Iterator[dict[str, float]]:
-    """The points just below and just above `point` in one coordinate."""
-    for sign in (-1, 1):
-        yield {**point, name: point[name] + sign * _BESIDE * question.sizes[name]}
+def _ranks_beside(question: Question, point: Mapping[str, float], name: str, tolerance: float) -> tuple[int, int]:
+    below, above = (_verdict(question, _corner(question, point, [name], [s]), tolerance).rank for s in (-1, 1))
+    return below, above
+
+
+def _corner(
+    question: Question, point: Mapping[str, float], names: Sequence[str], signs: Sequence[int], nearer: float = 1.0
+) -> dict[str, float]:
+    """`point` moved a little to one side in each of the coordinates named."""
+    moved = {
+        name: point[name] + sign * nearer * _BESIDE * question.sizes[name]
+        for name, sign in zip(names, signs, strict=True)
+    }
+    return {**point, **moved}
 
 
 def _vectors(question: Question, point: Mapping[str, float]) -> tuple[list[float], list[float]]:

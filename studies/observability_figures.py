@@ -37,7 +37,7 @@ def along_figure(data: xr.Dataset) -> Figure:
     with settings():
         figure = Figure(figsize=(style.PAGE, 3.0), layout="constrained")
         top, bottom = figure.subplots(2, 1, sharex=True)
-        time, n = data.time.values, len(data.attrs["coordinates"].split(","))
+        time, n = data.time.values, len(data.attrs["estimated"].split(","))
         top.step(time, data["rank"], where="post", color="black", linewidth=_LINE)
         top.set_ylim(0, n + 0.5)
         top.set_yticks(range(0, n + 1, 1 if n < 6 else 2))
@@ -83,7 +83,7 @@ def explanation(question: Question, point: dict[str, float]) -> Figure:
 
 
 def _rank_panel(figure: Figure, axes: Axes, data: xr.Dataset) -> None:
-    n = len(data.attrs["coordinates"].split(","))
+    n = len(data.attrs["estimated"].split(","))
     found = sorted({int(rank) for rank in np.unique(data["rank"]) if rank >= 0}, reverse=True)
     colours = ListedColormap([_LOSS[min(n - rank, len(_LOSS) - 1)] for rank in found[::-1]])
     edges = [*(rank - 0.5 for rank in found[::-1]), found[0] + 0.5]
@@ -116,6 +116,10 @@ def _frame(axes: Axes, data: xr.Dataset, question: Question) -> None:
     first, second = data["rank"].dims
     for name, label, line in ((first, axes.set_xlabel, axes.axvline), (second, axes.set_ylabel, axes.axhline)):
         label("common tension" if name == TENSION else SIGNALS[str(name)].symbol)
+        if name == TENSION:
+            line(0, color="white", linewidth=1.6)
+            line(0, color="black", linewidth=0.8)
+            label("common tension (below 0: slack)")
         if name in ("x3", "x4"):
             slack, end = tendon_edges(question, f"muscle{int(str(name)[1]) - 2}")
             line(slack, color="white", linewidth=1.6)

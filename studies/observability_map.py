@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Mapping, Sequence
+import json
+import warnings
+from collections.abc import Mapping, Sequence
 
 import casadi as ca
 import numpy as np
@@ -13,27 +15,35 @@ from ..codegen.library import Array
 from ..model.block import Symbols
 from ..model.curves import NGUYEN2019
 from ..model.symbols import MUSCLES, SIGNALS
+from ..observers.observability import TOLERANCE
 from .observability import Question, determinant, matrices, rank_and_conditioning
 from .prepare import Prepared
-from .simulate import simulate_prepared
+from .simulate import Progress, RunWarning, simulate_prepared
 from .table import ScenarioError
 
 # `tension` moves both tendons to the same force
 TENSION = "tension"
 MAP_POINTS = 200
 
-Progress = Callable[[float], None]
 
+def along(
+    prepared: Prepared, question: Question, tolerance: float = TOLERANCE, progress: Progress = lambda done: None
+) -> xr.Dataset:
+    """Rank and conditioning at every recorded point of the scenario's run, with `taut` per muscle.
 
-def along(prepared: Prepared, question: Question, progress: Progress = lambda done: None) -> xr.Dataset:
-    """Rank and conditioning at every recorded point of the scenario's run, with `taut` per muscle."""
-    run = simulate_prepared(dataclasses.replace(prepared, observers=()))
+    ScenarioError if the plant fails on the way.
+    """
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RunWarning)
+        run = simulate_prepared(dataclasses.replace(prepared, observers=()))
+    if failures := json.loads(run.attrs["failures"]):
+        raise ScenarioError(f"there is no run to look along: {next(iter(failures.values()))}")
     points = {state: run.x.sel(state=state).values for state in run.state.values.tolist()}
     points |= {f"{name}{j}": run[name].sel(muscle=j).values for name in ("u", "a") for j in (1, 2)}
     stack = matrices(question, {**points, "Delta": run.Delta.values}, progress)
-    rank, conditioning = rank_and_conditioning(question, stack)
+    rank, conditioning = rank_and_conditioning(question, stack, tolerance)
     data = {"rank": ("time", rank), "conditioning": ("time", conditioning)}
-    return _described(question, xr.Dataset(data, {"time": run.time}).assign(taut=run.taut))
+    return _described(question, xr.Dataset(data, {"time": run.time}).assign(taut=run.taut), tolerance)
 
 
 def over(
@@ -41,6 +51,7 @@ def over(
     axes: Sequence[str],
     point: Mapping[str, float],
     points: int = MAP_POINTS,
+    tolerance: float = TOLERANCE,
     progress: Progress = lambda done: None,
 ) -> xr.Dataset:
     """Rank and conditioning over two coordinates, the others as in `point`; NaN and −1 outside the domain.
@@ -52,7 +63,7 @@ def over(
     columns = {name: np.full(points**2, value) for name, value in point.items()}
     for axis, values in mesh.items():
         columns |= _placed(question, axis, values.ravel())
-    rank, conditioning = rank_and_conditioning(question, matrices(question, columns, progress))
+    rank, conditioning = rank_and_conditioning(question, matrices(question, columns, progress), tolerance)
     inside = _inside(question, columns)
     shape, dims = (points, points), list(axes)
     data = {
@@ -61,7 +72,7 @@ def over(
     }
     if question.unknown != "none" and question.sensors == ("x1", "F1", "F2"):
         data["determinant"] = (dims, np.where(inside, determinant(question, columns), np.nan).reshape(shape))
-    return _described(question, xr.Dataset(data, ranges))
+    return _described(question, xr.Dataset(data, ranges), tolerance)
 
 
 def axis_ranges(question: Question, axes: Sequence[str], point: Mapping[str, float]) -> dict[str, tuple[float, float]]:
@@ -80,7 +91,9 @@ def tendon_edges(question: Question, muscle: str) -> tuple[float, float]:
 def _range(question: Question, axis: str, point: Mapping[str, float]) -> tuple[float, float]:
     p = dict(zip(question.block.p, question.p, strict=True))
     if axis == TENSION:
-        return 0.0, 1.2 * min(p[f"{muscle}.F_toe"] for muscle in MUSCLES)
+        # slack at first: no force belongs to a single length there
+        toe = min(p[f"{muscle}.F_toe"] for muscle in MUSCLES)
+        return -0.1 * toe, 1.2 * toe
     if axis not in (*question.block.x, *question.block.u):
         valid = [*question.block.x, *question.block.u, TENSION]
         raise ScenarioError(f"unknown axis {axis!r}; there are {', '.join(valid)}")
@@ -99,7 +112,12 @@ def _placed(question: Question, axis: str, values: Array) -> dict[str, Array]:
     """The coordinates that an axis sets."""
     if axis != TENSION:
         return {axis: values}
-    return {f"x{j}": _length(question, muscle, values) for j, muscle in ((3, "muscle1"), (4, "muscle2"))}
+    lengths = {}
+    for j, muscle in enumerate(MUSCLES, start=3):
+        slack, end = tendon_edges(question, muscle)
+        # a force of 0 is any slack length; half a toe below the edge stands for it
+        lengths[f"x{j}"] = np.where(values > 0, _length(question, muscle, values), slack - (end - slack) / 2)
+    return lengths
 
 
 def _length(question: Question, muscle: str, force: Array) -> Array:
@@ -120,7 +138,7 @@ def _inside(question: Question, columns: Mapping[str, Array]) -> np.ndarray:
     return np.array(domain.map(n)(x, u, ca.repmat(ca.DM(question.p), 1, n)), dtype=float).ravel() > 0
 
 
-def _described(question: Question, data: xr.Dataset) -> xr.Dataset:
+def _described(question: Question, data: xr.Dataset, tolerance: float) -> xr.Dataset:
     about = {
         "rank": "number of coordinates that the outputs determine",
         "conditioning": "smallest singular value of O with columns × typical size",
@@ -134,6 +152,7 @@ def _described(question: Question, data: xr.Dataset) -> xr.Dataset:
         sensors=",".join(question.sensors),
         unknown=question.unknown,
         order=question.order,
-        coordinates=",".join(question.coordinates),
+        estimated=",".join(question.coordinates),
+        tolerance=tolerance,
     )
     return data

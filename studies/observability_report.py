@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -20,6 +20,7 @@ from .observability import Answer, Question, ask, at, start_point
 from .prepare import Prepared, prepare
 from .report import number
 from .scenario import Value, parse_number
+from .simulate import Progress
 from .table import ScenarioError
 
 SCALING = "columns × typical size (0.01 for x, Δ, u; 0.5 for a1, 0.1 for a2), rows normalised, zero rows stay zero"
@@ -28,7 +29,6 @@ _INPUTS = {
     "u": "Δ, u1, u2 unknown",
     "a": "Δ, a1, a2 unknown",
 }
-Progress = Callable[[float], None]
 
 # with Lie derivatives up to 2 every unknown constant has appeared in the paper's outputs
 _LEAST = 2
@@ -123,7 +123,7 @@ def answer_question(
 ) -> Asked:
     """The question in the words of a command line, answered. ScenarioError names the wrong word."""
     prepared = prepare(source, None, changes)
-    names = [name for name in sensors.split(",") if name]
+    names = [name.strip() for name in sensors.split(",") if name.strip()]
     highest = None if order is None else _whole("--order", order)
     question = ask(prepared, names, unknown, highest, _whole("--signals", signals))
     point = start_point(prepared) | _place(place or "", question)
@@ -150,7 +150,7 @@ def write_along(asked: Asked, folder: Path, _: str, progress: Progress) -> list[
     from .observability_figures import along_figure
     from .observability_map import along
 
-    data = along(asked.prepared, asked.many, progress)
+    data = along(asked.prepared, asked.many, asked.tolerance, progress)
     return _write(data, {"along": along_figure(data)}, folder, f"{asked.prepared.scenario.name}-observability", "along")
 
 
@@ -160,7 +160,7 @@ def write_map(asked: Asked, folder: Path, axes: str, progress: Progress) -> list
     from .observability_map import over
 
     names = axes.split(",")
-    data = over(asked.many, names, asked.answer.point, progress=progress)
+    data = over(asked.many, names, asked.answer.point, tolerance=asked.tolerance, progress=progress)
     figure = {f"map-{'-'.join(names)}": map_figure(data, asked.many)}
     return _write(data, figure, folder, f"{asked.prepared.scenario.name}-observability", f"map-{'-'.join(names)}")
 
@@ -177,8 +177,10 @@ def _place(text: str, question: Question) -> dict[str, float]:
     """`x1=2.7,x3=2.01` as numbers by name."""
     valid = [*question.block.x, *question.block.u]
     result = {}
-    for part in filter(None, text.split(",")):
+    for part in (part.strip() for part in text.split(",") if part.strip()):
         name, equals, value = part.partition("=")
+        if name in result:
+            raise ScenarioError(f"--at gives {name} twice")
         if not equals or name not in valid:
             raise ScenarioError(f"--at takes NAME=VALUE with the names {', '.join(valid)}, not {part!r}")
         result[name] = parse_number(f"--at {name}", value)

@@ -41,8 +41,12 @@ class Prepared:
         return self.table.value(path, self.scenario.given)
 
 
-def prepare(source: str | Path, observers: Sequence[str | Block] | None, changes: Mapping[str, Value]) -> Prepared:
+def prepare(
+    source: str | Path, observers: Sequence[str | Block] | str | Block | None, changes: Mapping[str, Value]
+) -> Prepared:
     """Everything of a run that can be wrong before it starts. ScenarioError says what is."""
+    if isinstance(observers, str | Block):
+        observers = [observers]
     name, content = read(source)
     custom = tuple(block for block in observers or () if isinstance(block, Block))
     chosen = tuple(dict.fromkeys(o.name if isinstance(o, Block) else o for o in (observers or OBSERVERS)))
@@ -50,7 +54,8 @@ def prepare(source: str | Path, observers: Sequence[str | Block] | None, changes
     for observer in chosen:
         if observer not in known:
             raise ScenarioError(f"unknown observer {observer!r}; there are {', '.join(known)}")
-    if clash := [block.name for block in custom if block.name in (*OBSERVERS, BASELINE, "truth", "score")]:
+    taken = {"truth", *(path.partition(".")[0] for path in (*full_table().paths, *full_table().groups()))}
+    if clash := [block.name for block in custom if block.name in taken]:
         raise ScenarioError(f"the name {clash[0]!r} is taken; give your observer another one")
     every = full_table(custom)
     checked = scenario(name, content, changes, every)
@@ -77,10 +82,13 @@ def time_grid(value: Callable[[str], float]) -> Grid:
             raise ScenarioError(f"{path} = {value(path):.12g} must be a whole multiple of step = {h:.12g}")
         return round(steps)
 
+    record, steps = whole("record"), whole("duration")
+    if steps % record:
+        raise ScenarioError(f"duration = {duration:.12g} must be a whole multiple of record = {value('record'):.12g}")
     return Grid(
         h=h,
-        steps=whole("duration"),
-        record=whole("record"),
+        steps=steps,
+        record=record,
         hold=whole("noise.period"),
         window=math.ceil(value("score.start") / h * (1 - _ROUNDING)),
         pulses=tuple((whole(f"{name}.start"), whole(f"{name}.stop")) for name in PULSES),

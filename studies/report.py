@@ -10,7 +10,7 @@ from rich.table import Table
 from rich.text import Text
 
 from ..model.symbols import QUANTITIES
-from ..observers import OBSERVERS
+from ..observers import label
 
 _TITLES = {
     "rmse": "root mean square error over [{start:g}, {end:g}]",
@@ -23,7 +23,8 @@ _WORSE = "*"
 
 def tables(dataset: xr.Dataset) -> Iterator[tuple[str, Table]]:
     """Title and table of each measure, a row per observer and the baseline."""
-    start, end = json.loads(dataset.attrs["parameters"])["score.start"], float(dataset.time[-1])
+    parameters = json.loads(dataset.attrs["parameters"])
+    start, end = parameters["score.start"], parameters["duration"]
     for key, title in _TITLES.items():
         table = Table(box=None, padding=(0, 1, 0, 0))
         table.add_column("", no_wrap=True, min_width=8)
@@ -47,13 +48,16 @@ def notes(dataset: xr.Dataset) -> Iterator[str]:
         if (time := float(masked.sel(quantity=f"a{muscle}"))) > 0:
             yield f"tendon {muscle} was slack for {time:.4g}: {quantities} are not scored there"
     parameters = json.loads(dataset.attrs["parameters"])
-    if parameters["score.start"] > float(dataset.time[-1]):
+    if parameters["score.start"] > parameters["duration"]:
         yield "the errors have no window: score.start is after the end of the run, so there is no RMSE"
     if parameters["noise.period"] == 0:
         yield "noise.period = 0: the noise is off, and without samples there is no chattering"
     for name, times in json.loads(dataset.attrs["guards"]).items():
         active = ", ".join(f"{guard} {time:.4g}" for guard, time in times.items())
-        yield f"limits active in {label(name)} (time): {active}"
+        where = "plant and controller" if name == "truth" else label(name)
+        yield f"limits active in {where} (time): {active}"
+        if any("infeasible" in guard for guard in times):
+            yield "  infeasible: the inputs ask for an activation outside [0, 1]; estimates are limited to it"
     for name, conditions in json.loads(dataset.attrs["violated_conditions"]).items():
         for condition in conditions:
             yield f"gain condition of {label(name)}: {condition}"
@@ -62,11 +66,6 @@ def notes(dataset: xr.Dataset) -> Iterator[str]:
 def failures(dataset: xr.Dataset) -> list[str]:
     """A sentence for everything that has no numbers after some time."""
     return list(json.loads(dataset.attrs["failures"]).values())
-
-
-def label(name: str) -> str:
-    """What tables and figures call an observer."""
-    return OBSERVERS[name].label if name in OBSERVERS else name
 
 
 def number(value: float) -> str:

@@ -8,7 +8,7 @@ import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from importlib import resources
-from numbers import Real
+from numbers import Integral, Real
 from pathlib import Path
 
 from ..model.block import Parameter
@@ -180,9 +180,10 @@ def _text(path: str, value: object) -> str:
 
 
 def _seed(value: object) -> int:
-    if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value <= _LARGEST_SEED:
+    whole = int(value) if isinstance(value, Integral) and not isinstance(value, bool) else -1
+    if not 0 <= whole <= _LARGEST_SEED:
         raise ScenarioError(f"seed must be a whole number from 0 to 2⁶⁴ − 1, not {_shown(value)}")
-    return value
+    return whole
 
 
 def _whole(text: str) -> Value:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
@@ -16,9 +17,13 @@ from .scenario import Value
 Progress = Callable[[float], None]
 
 
+class RunWarning(UserWarning):
+    """A run ended before its time; the Dataset's attribute `failures` says why."""
+
+
 def simulate(
     source: str | Path = "paper-clean",
-    observers: Sequence[str | Block] | None = None,
+    observers: Sequence[str | Block] | str | Block | None = None,
     changes: Mapping[str, Value] | None = None,
     progress: Progress = lambda done: None,
 ) -> xr.Dataset:
@@ -40,4 +45,7 @@ def simulate_prepared(prepared: Prepared, progress: Progress = lambda done: None
     parameters = {block.name: prepared.table.values(block, prepared.scenario.given) for block in loop.blocks}
     compiled = compile_loop(loop)
     traces = compiled.run(grid, prepared.scenario.seed, parameters, (BASELINE, *prepared.observers), progress)
-    return dataset(prepared, traces, str(compiled.library.path.stem))
+    result = dataset(prepared, traces, str(compiled.library.path.stem))
+    if truth := traces["truth"].failure:
+        warnings.warn(f"the plant failed at τ = {truth.time:g}; what follows is NaN", RunWarning, stacklevel=3)
+    return result

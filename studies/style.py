@@ -69,8 +69,3 @@ def thinned(style: Style, travel: float) -> Style:
         return style
     share = math.sqrt(_CALM / travel)
     return {**style, "linestyle": "-", "linewidth": max(0.35, 1.1 * share), "zorder": 2 + share}
-
-
-def observer_label(name: str) -> str:
-    """What figures call the observer."""
-    return OBSERVERS[name].label if name in OBSERVERS else name

@@ -47,7 +47,7 @@ def test_figures_are_written_and_drawn_again(command, tmp_path: Path) -> None:
     first = {path.name: path.read_bytes() for path in (tmp_path / "here").glob("*.p*")}
     assert len(first) == 10
     code, out, _ = command("figures", "here/paper-clean.nc", "--out", "again")
-    assert (code, out) == (0, "written to again/: 10 figures\n")
+    assert (code, out) == (0, "written to again/: 5 figures as PNG and PDF\n")
     assert {path.name: path.read_bytes() for path in (tmp_path / "again").glob("*.p*")} == first
 
 

@@ -9,6 +9,8 @@ from hillobs.model.curves import NGUYEN2019
 from hillobs.observers import OBSERVERS, baseline_estimator
 from hillobs.observers.conditions import FACTS, check
 from hillobs.studies.conformance import conformance
+from hillobs.studies.prepare import prepare
+from hillobs.studies.table import ScenarioError
 
 
 @pytest.mark.parametrize("name", OBSERVERS)
@@ -87,3 +89,17 @@ def test_a_violated_condition_is_reported_with_both_numbers(name: str, change: d
 
 def test_the_baseline_has_no_state() -> None:
     assert list(baseline_estimator().x) == []
+
+
+@pytest.mark.parametrize("name", ["C", "u_high", "muscle1.W"])
+def test_a_parameter_of_the_activation_is_not_taken_over_by_accident(proportional: Block, name: str) -> None:
+    p = Symbols({name: proportional.p.gain})
+    own = dataclasses.replace(proportional, p=p, parameters={name: proportional.parameters["gain"]})
+    (complaint,) = conformance(own)
+    assert complaint.startswith(f"proportional: the activation behind it has a parameter {name} too")
+
+
+@pytest.mark.parametrize("name", ["high_gain", "baseline", "truth", "noise", "plant", "muscle1", "pulse", "score"])
+def test_a_name_that_a_scenario_uses_is_refused(proportional: Block, name: str) -> None:
+    with pytest.raises(ScenarioError, match=f"the name '{name}' is taken"):
+        prepare("paper-clean", [dataclasses.replace(proportional, name=name)], {})

@@ -10,7 +10,7 @@ import xarray as xr
 from matplotlib.colors import to_hex
 
 from hillobs.model.symbols import QUANTITIES, SIGNALS, STATES, hat
-from hillobs.observers import OBSERVERS
+from hillobs.observers import OBSERVERS, label
 from hillobs.studies import style
 from hillobs.studies.figures import estimates, figures, save_figures
 from hillobs.studies.files import ResultError
@@ -124,7 +124,7 @@ def test_own_observers_take_the_next_colours():
     assert {name: extended[name] for name in known} == style.observer_styles(known)
     looks = [(to_hex(look["color"]), str(look["linestyle"]), look["linewidth"]) for look in extended.values()]
     assert len({colour for colour, _, _ in looks}) == len({(dash, width) for _, dash, width in looks}) == len(looks)
-    assert style.observer_label("mine") == "mine"
+    assert label("mine") == "mine"
 
 
 def test_an_own_observer_is_drawn(clean):
@@ -192,7 +192,7 @@ def test_every_scenario_is_drawn_without_a_warning(scenario):
     [
         (None, {"duration": 0.5}),
         (None, {"duration": 0.01}),
-        (None, {"duration": 0.005}),
+        (None, {"duration": 0.005, "record": 0.005}),
         (["sliding_mode"], {"duration": 2.0}),
         (None, {"duration": 2.0, "muscle2.k": 18.0}),
     ],

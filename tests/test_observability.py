@@ -31,8 +31,10 @@ from hillobs.observers.observability import (
     structural_rank,
 )
 from hillobs.studies.information import deviations
-from hillobs.studies.observability import ask, at
+from hillobs.studies.observability import ask, at, start_point
+from hillobs.studies.observability_map import along, over
 from hillobs.studies.prepare import prepare
+from hillobs.studies.table import ScenarioError
 
 Array = NDArray[np.float64]
 Point = Mapping[str, float]
@@ -773,3 +775,33 @@ def test_rounding_adds_no_rank() -> None:
     N = np.zeros((3, 3))
     N[0, 1] = 1
     assert judged(linear(T @ N @ inverse, inverse[:1]), 2, [0.0] * 3).rank == 2
+
+
+def test_two_tendons_at_their_edges_are_as_bad_as_two_slack_ones() -> None:
+    for unknown, lost in (("u", 4), ("a", 4)):
+        answer = at(ask(prepare("paper-clean", None, {}), unknown=unknown), {**TAUT, "x3": 2.0, "x4": 2.0})
+        assert len(answer.verdict.unobservable) == lost
+        assert set(answer.kinks) >= {"x3", "x4"}
+
+
+def test_a_steep_slope_is_no_kink() -> None:
+    prepared = prepare("challenge", None, {})
+    assert at(ask(prepared, unknown="a"), start_point(prepared)).kinks == {}
+
+
+def test_a_map_begins_slack_and_takes_the_tolerance() -> None:
+    prepared = prepare("paper-clean", None, {})
+    question, point = ask(prepared, unknown="u", order=2), start_point(prepared)
+    data = over(question, ("x1", "tension"), point, points=24)
+    assert (data["rank"].where(data.tension <= 0, drop=True) == 3).all()
+    assert (data["rank"].where(data.tension > 0.05, drop=True) == 7).all()
+    assert (over(question, ("x3", "x4"), point, points=5, tolerance=0.5)["rank"] < 7).all()
+
+
+def test_along_a_run_the_rank_falls_exactly_while_a_tendon_is_slack() -> None:
+    prepared = prepare("slack", None, {"duration": 8.0})
+    data = along(prepared, ask(prepared, unknown="u", order=2))
+    slack = (data.taut == 0).sum("muscle")
+    np.testing.assert_array_equal(data["rank"], 7 - 2 * slack)
+    with pytest.raises(ScenarioError, match="no run to look along: the plant"):
+        along(prepare("paper-clean", None, {"initial.x2": -40.0}), ask(prepared))
