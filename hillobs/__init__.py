@@ -8,11 +8,16 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from .studies.conformance import conformance
+    from .studies.observability import observability
     from .studies.simulate import simulate
 
 __version__ = version("hillobs")
 
-_PLACES = {"conformance": ".studies.conformance", "simulate": ".studies.simulate"}
+_PLACES = {
+    "conformance": ".studies.conformance",
+    "observability": ".studies.observability",
+    "simulate": ".studies.simulate",
+}
 
 
 def __getattr__(name: str) -> object:
@@ -22,4 +27,4 @@ def __getattr__(name: str) -> object:
     return getattr(importlib.import_module(_PLACES[name], __name__), name)
 
 
-__all__ = ["__version__", "conformance", "simulate"]
+__all__ = ["__version__", "conformance", "observability", "simulate"]

@@ -7,6 +7,7 @@ import itertools
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import casadi as ca
 import numpy as np
@@ -31,7 +32,8 @@ from ..observers.observability import (
     structural_rank,
 )
 from .information import deviations
-from .prepare import Prepared
+from .prepare import Prepared, prepare
+from .scenario import Value
 from .table import ScenarioError
 
 
@@ -98,6 +100,27 @@ class Answer:
     regions: Mapping[str, str]  # of each tendon and fibre
     kinks: Mapping[str, tuple[int, int]]  # coordinates across which O jumps: the rank below and above
     deviations: Mapping[str, float]  # smallest standard deviation within one time unit; inf: none
+
+
+def observability(
+    source: str | Path = "paper-clean",
+    place: Mapping[str, float] | None = None,
+    sensors: Sequence[str] = PAPER_SENSORS,
+    unknown: str = "none",
+    order: int | None = None,
+    changes: Mapping[str, Value] | None = None,
+) -> Answer:
+    """What `sensors` determine at a point of a scenario: its start, with the coordinates of `place` instead.
+
+    sensors: of x1, x2, F1, F2, L_C1, L_C2. unknown: "none", "u" (Δ, u1, u2) or "a" (Δ, a1, a2), as constants.
+    ScenarioError for a wrong scenario, sensor, coordinate or a point outside the domain.
+    """
+    prepared = prepare(source, None, changes or {})
+    question = ask(prepared, sensors, unknown, order)
+    valid = [*question.block.x, *question.block.u]
+    if wrong := [name for name in place or {} if name not in valid]:
+        raise ScenarioError(f"no coordinate {wrong[0]!r}; there are {', '.join(valid)}")
+    return at(question, start_point(prepared) | dict(place or {}))
 
 
 def ask(
