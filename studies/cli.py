@@ -182,8 +182,8 @@ def observability(
         for wanted, write in ((along, write_along), (axes is not None, write_map)):
             if wanted:
                 with _progress("observability") as advance:
-                    paths = write(asked, Path(out), axes or "", advance)
-                click.echo(_written(paths), err=as_json)
+                    sentence, paths = write(asked, Path(out), axes or "", advance)
+                click.echo(f"{sentence}\n{_written(paths)}", err=as_json)
     sys.exit(0 if asked.answer.verdict.full else _DEFICIENT)
 
 
@@ -296,8 +296,8 @@ def _complain(sentence: str) -> None:
 def _written(paths: list[Path]) -> str:
     """Where what was written is; figures are only counted."""
     data = [path.name for path in paths if path.suffix not in (".png", ".pdf")]
-    drawn = len(paths) - len(data)
-    names = [*data, *([f"{drawn // 2} figures as PNG and PDF"] if drawn else [])]
+    drawn = (len(paths) - len(data)) // 2
+    names = [*data, *([f"{drawn} figure{'s' if drawn > 1 else ''} as PNG and PDF"] if drawn else [])]
     return _escaped(f"written to {paths[0].parent}/: {', '.join(names)}")
 
 

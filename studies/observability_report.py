@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
 import xarray as xr
 from rich.table import Table
 from rich.text import Text
@@ -145,24 +146,34 @@ def check_axes(asked: Asked, axes: str) -> None:
     axis_ranges(asked.question, axes.split(","), asked.answer.point)
 
 
-def write_along(asked: Asked, folder: Path, _: str, progress: Progress) -> list[Path]:
-    """Rank along the run, as NetCDF and figure."""
+def write_along(asked: Asked, folder: Path, _: str, progress: Progress) -> tuple[str, list[Path]]:
+    """Rank along the run: how long which rank lasted, and the paths of NetCDF and figure."""
     from .observability_figures import along_figure
     from .observability_map import along
 
     data = along(asked.prepared, asked.many, asked.tolerance, progress)
-    return _write(data, {"along": along_figure(data)}, folder, f"{asked.prepared.scenario.name}-observability", "along")
+    ranks, counts = np.unique(data["rank"], return_counts=True)
+    spacing = float(data.time[1] - data.time[0]) if data.time.size > 1 else 0.0
+    lasted = ", ".join(
+        f"{rank} for {count * spacing:.4g}" for rank, count in zip(ranks[::-1], counts[::-1], strict=True)
+    )
+    stem = f"{asked.prepared.scenario.name}-observability"
+    return f"along the run, rank {lasted}", _write(data, {"along": along_figure(data)}, folder, stem, "along")
 
 
-def write_map(asked: Asked, folder: Path, axes: str, progress: Progress) -> list[Path]:
-    """Rank over two coordinates, as NetCDF and figure."""
+def write_map(asked: Asked, folder: Path, axes: str, progress: Progress) -> tuple[str, list[Path]]:
+    """Rank over two coordinates: how much of the map has which rank, and the paths of NetCDF and figure."""
     from .observability_figures import map_figure
     from .observability_map import over
 
     names = axes.split(",")
     data = over(asked.many, names, asked.answer.point, tolerance=asked.tolerance, progress=progress)
     figure = {f"map-{'-'.join(names)}": map_figure(data, asked.many)}
-    return _write(data, figure, folder, f"{asked.prepared.scenario.name}-observability", f"map-{'-'.join(names)}")
+    ranks, counts = np.unique(data["rank"].values[data["rank"].values >= 0], return_counts=True)
+    shares = zip(ranks[::-1], counts[::-1] / max(1, counts.sum()), strict=True)
+    covered = ", ".join(f"{rank} on {share:.0%}" for rank, share in shares)
+    stem = f"{asked.prepared.scenario.name}-observability"
+    return f"over the map, rank {covered}", _write(data, figure, folder, stem, f"map-{'-'.join(names)}")
 
 
 def _write(data: xr.Dataset, drawn: Mapping[str, Figure], folder: Path, stem: str, key: str) -> list[Path]:

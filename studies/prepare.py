@@ -14,7 +14,7 @@ from ..model.curves import CURVES, NGUYEN2019
 from ..model.pulses import PULSES
 from ..observers import OBSERVERS
 from .loops import full_table, paper_loop
-from .scenario import Scenario, Value, read, scenario
+from .scenario import Scenario, Value, read, scenario, shipped
 from .table import ScenarioError, Table
 
 BASELINE = "baseline"
@@ -58,6 +58,11 @@ def prepare(
     if clash := [block.name for block in custom if block.name in taken]:
         raise ScenarioError(f"the name {clash[0]!r} is taken; give your observer another one")
     every = full_table(custom)
+    if source not in shipped():
+        try:
+            scenario(name, content, {}, every)
+        except ScenarioError as error:
+            raise ScenarioError(f"{source}: {error}") from error
     checked = scenario(name, content, changes, every)
     curves = CURVES[checked.choices.get("muscle.curves", NGUYEN2019.name)]
     every.check(curves, checked.given)

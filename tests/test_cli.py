@@ -158,8 +158,12 @@ def test_observability_answers_with_its_exit_code(command, tmp_path: Path) -> No
     code, out, _ = command("observability", "--at", "x3=2")
     assert code == 1
     assert "warning: the derivatives jump at x3 = 2 (rank 3 below, 4 above)" in out
-    code, *_ = command("observability", "slack", "--set", "duration=8", "--along", "--map", "x1,tension", "--out", "o")
+    code, out, _ = command(
+        "observability", "slack", "--set", "duration=8", "--along", "--map", "x1,tension", "--out", "o"
+    )
     assert code == 0
+    assert "along the run, rank 4 for 6." in out
+    assert "over the map, rank 4 on 9" in out
     assert len(list((tmp_path / "o").iterdir())) == 6
 
 

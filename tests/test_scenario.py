@@ -150,8 +150,9 @@ def test_a_wrong_file_is_one_sentence(name: str, tmp_path: Path) -> None:
     path = (tmp_path / "a[").joinpath("x].toml") if "/" in name else tmp_path / name
     path.parent.mkdir(exist_ok=True)
     path.write_bytes(content)
-    with pytest.raises(ScenarioError, match=message):
+    with pytest.raises(ScenarioError, match=message) as caught:
         prepare(path, None, {})
+    assert str(path) in str(caught.value)
 
 
 @pytest.mark.parametrize(
