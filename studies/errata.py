@@ -29,11 +29,10 @@ from .table import RUN, table
 
 @dataclass(frozen=True)
 class Variant:
-    """Which errata a run leaves as printed, and what these say."""
+    """Which errata a run leaves as printed."""
 
     name: str
     printed: tuple[str, ...]
-    sentence: str
 
 
 @dataclass(frozen=True)
@@ -110,19 +109,15 @@ def variants(errata: Mapping[str, Erratum]) -> list[Variant]:
     """Corrected, as printed, one printed term in the corrected form, one correction in the printed form."""
     every = tuple(name for name in errata if name not in _READ_AS_MEANT)
     return [
-        Variant("corrected", (), ""),
-        Variant("as printed", every, "; ".join(errata[name].printed for name in every)),
-        *(Variant(f"{name} printed", (name,), _sentence(erratum)) for name, erratum in errata.items()),
-        *(Variant(f"only {name} right", _without(name, every), _sentence(errata[name])) for name in every),
+        Variant("corrected", ()),
+        Variant("as printed", every),
+        *(Variant(f"{name} printed", (name,)) for name in errata),
+        *(Variant(f"only {name} right", _without(name, every)) for name in every),
     ]
 
 
 def _without(name: str, every: Sequence[str]) -> tuple[str, ...]:
     return tuple(other for other in every if other != name)
-
-
-def _sentence(erratum: Erratum) -> str:
-    return f"{erratum.where}: printed {erratum.printed}; must be {erratum.correct}"
 
 
 def _tracking(variant: Variant, progress: Progress) -> Tracking:

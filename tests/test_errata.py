@@ -298,7 +298,7 @@ def check_observers(rows: Mapping[str, study.Estimation]) -> None:
 def test_an_observer_that_diverges_says_when(monkeypatch):
     wild = {"adaptive_as_printed": {"alpha0": 1e200}}
     monkeypatch.setattr(study, "read", lambda name: (name, wild))
-    row = study._estimation(study.Variant("wild", (), ""), lambda done: None)
+    row = study._estimation(study.Variant("wild", ()), lambda done: None)
     assert re.fullmatch(r"diverges at τ = [\d.]+", row.failure)
     assert np.isnan(row.rmse["x2"])
     assert row.nearest["Delta_hat"].signal == "nothing"
