@@ -16,7 +16,7 @@ from .gains import gain_conditions
 from .measures import Measure, measures
 from .prepare import BASELINE, Prepared
 from .scenario import CHOICES
-from .table import block_paths
+from .table import RUN, block_paths
 from .versions import versions
 
 
@@ -108,12 +108,21 @@ def _manifest(prepared: Prepared, traces: Mapping[str, Trace], library: str) -> 
         "choices": json.dumps({key: scenario.choices.get(key, valid[0]) for key, valid in CHOICES.items()}),
         "parameters": json.dumps(values),
         "changed": json.dumps(dict(scenario.given)),
+        "unused": json.dumps(_unused(prepared)),
         "guards": json.dumps({name: times for name, times in guards.items() if times}),
         "failures": json.dumps(failures),
         "violated_conditions": json.dumps({name: words for name, words in violated.items() if words}),
         "library": library,
         "versions": json.dumps(versions()),
     }
+
+
+def _unused(prepared: Prepared) -> list[str]:
+    """What the scenario gives and no Block of this loop takes: the controller's numbers where there is none, …."""
+    blocks = prepared.loop.blocks
+    used = {*RUN, *(path for block in blocks for path in block_paths(block))}
+    used |= {parameter.shared for block in blocks for parameter in block.parameters.values()}
+    return [path for path in prepared.scenario.given if path not in used]
 
 
 def _explain(name: str, failure: Failure) -> str:

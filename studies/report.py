@@ -52,6 +52,9 @@ def notes(dataset: xr.Dataset) -> Iterator[str]:
         yield "the errors have no window: score.start is after the end of the run, so there is no RMSE"
     if parameters["noise.period"] == 0:
         yield "noise.period = 0: the noise is off, and without samples there is no chattering"
+    if unused := json.loads(dataset.attrs["unused"]):
+        drive = json.loads(dataset.attrs["choices"])["plant.drive"]
+        yield f"without effect while plant.drive = {drive}: {', '.join(unused)}"
     for name, times in json.loads(dataset.attrs["guards"]).items():
         active = ", ".join(f"{guard} {time:.4g}" for guard, time in times.items())
         where = "plant and controller" if name == "truth" else label(name)

@@ -120,6 +120,14 @@ def test_an_observer_that_fails_is_named_and_the_others_are_kept(command, tmp_pa
     assert "sliding_mode,x2,,,,," in text
 
 
+def test_a_number_that_nothing_takes_is_named(command) -> None:
+    settings = [*SHORT, "--set", "plant.drive=given", "--set", "reference.offset=2.7", "--set", "plant.m=1.1"]
+    code, out, _ = command("simulate", "paper-clean", *settings, "--no-figures")
+    assert code == 0
+    assert "without effect while plant.drive = given: reference.offset\n" in out
+    assert "without effect" not in command("simulate", "challenge", *SHORT, "--no-figures")[1]
+
+
 def test_a_mass_out_of_reach_is_named(command) -> None:
     far = ["--set", "initial.x2=-40", "--set", "duration=2", "--set", "score.start=1"]
     code, _, err = command("simulate", "paper-clean", *far, "--no-figures")
