@@ -60,7 +60,7 @@ def functions(
     rhs = ca.Function("rhs", point, [at(rates), at(outputs)])
     result = {
         "init": _function(block, "init", [t, p, w, v], [at(start)], ["t", "p", "held", "staged"], ["x_next"]),
-        "step": _step(block, rhs, t, h, x, p, w, len(staged)),
+        "step": _step(block, rhs, t, h, x, p, w, [name in block.held for name in staged]),
         "out": _function(
             block, "out", point, [at(block.y), at(block.guards), at(block.domain)], names, ["y", "guards", "domain"]
         ),
@@ -72,13 +72,15 @@ def functions(
 
 
 def _step(
-    block: Block, rhs: ca.Function, t: ca.SX, h: ca.SX, x: ca.SX, p: ca.SX, w: ca.SX, n_staged: int
+    block: Block, rhs: ca.Function, t: ca.SX, h: ca.SX, x: ca.SX, p: ca.SX, w: ca.SX, held: Sequence[bool]
 ) -> ca.Function:
-    stages = ca.SX.sym("staged", n_staged, 4)
+    """One RK4 step; a staged input that the block holds keeps the value of the first stage."""
+    stages = ca.SX.sym("staged", len(held), 4)
     k, after, outputs = ca.SX(0), x, []
     for i, (node, weight) in enumerate(zip(_NODES, _WEIGHTS, strict=True)):
         # kᵢ = f(t + cᵢh, x + cᵢh kᵢ₋₁),  x⁺ = x + h Σ bᵢkᵢ
-        k, y = rhs(t + node * h, x + node * h * k, p, w, stages[:, i])
+        seen = ca.vertcat(*(stages[j, 0 if keep else i] for j, keep in enumerate(held))) if held else stages[:, i]
+        k, y = rhs(t + node * h, x + node * h * k, p, w, seen)
         after = after + h * weight * k
         outputs.append(y)
     return _function(

@@ -57,11 +57,23 @@ class Parameter:
     most: float = math.inf  # value ≤ most
     shared: str = ""
 
+    def objection(self, value: float) -> str:
+        """What `value` must be and is not, or an empty string."""
+        bounds = (
+            (math.isfinite(value), "a finite number"),
+            (value > self.above, f"above {self.above:g}"),
+            (value >= self.least, f"at least {self.least:g}"),
+            (value < self.below, f"below {self.below:g}"),
+            (value <= self.most, f"at most {self.most:g}"),
+        )
+        return next((words for holds, words in bounds if not holds), "")
+
 
 # Parameters by name, in order
 Parameters = Mapping[str, Parameter]
 
-_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
+# the code generator takes no double and no last underscore
+_NAME = re.compile(r"(?=.{1,40}$)[A-Za-z][A-Za-z0-9]*(_[A-Za-z0-9]+)*")
 
 
 @dataclass(frozen=True, eq=False)  # one is itself: symbols have no equality
@@ -92,7 +104,7 @@ class Block:
 
     def __post_init__(self) -> None:
         if not _NAME.fullmatch(self.name):
-            raise BlockError(f"{self.name!r} is no name for a block: letters, digits and _, a letter first, at most 40")
+            raise BlockError(f"{self.name!r} is no name for a block: letters, digits, single _ between, at most 40")
         for group in ("x", "u", "p", "y", "dx", "next", "per_step", "x0", "guards", "domain"):
             object.__setattr__(self, group, _scalars(self.name, group, getattr(self, group)))
         moves = [*self.dx, *self.next, *self.per_step]
@@ -105,6 +117,9 @@ class Block:
             raise BlockError(
                 f"{self.name}: parameters described are {list(self.parameters)}, the symbols in p {list(self.p)}"
             )
+        for name, parameter in self.parameters.items():
+            if objection := parameter.objection(parameter.default):
+                raise BlockError(f"{self.name}: the default of {name} must be {objection}, not {parameter.default:g}")
         for what, names, valid in (("x0", self.x0, self.x), ("held", self.held, self.u)):
             if unknown := [name for name in names if name not in valid]:
                 raise BlockError(f"{self.name}: {what} names {', '.join(unknown)}; valid are {', '.join(valid)}")

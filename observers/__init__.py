@@ -51,7 +51,15 @@ def estimator(observer: Block, curves: CurveSet = NGUYEN2019) -> Block:
         raise BlockError(f"{observer.name}: an observer sees {', '.join(INPUTS)} only, not {', '.join(wrong)}")
     if missing := [name for name in ESTIMATES if name not in observer.y]:
         raise BlockError(f"{observer.name}: an observer must estimate {', '.join(missing)} as well")
-    if all(name in observer.y for name in _ACTIVATIONS):
+    if odd := [name for name in observer.x if not name.isidentifier()]:
+        raise BlockError(
+            f"{observer.name}: the state {odd[0]!r} has no name that a result can carry; use letters, digits, _"
+        )
+    own = [name for name in _ACTIVATIONS if name in observer.y]
+    if len(own) == 1:
+        other = next(name for name in _ACTIVATIONS if name not in own)
+        raise BlockError(f"{observer.name}: it estimates {own[0]}, so it must estimate {other} as well")
+    if own:
         return rename(observer, observer.name, {}, [*ESTIMATES, *_ACTIVATIONS])
     reconstruction = activation_estimate(curves)
     _refuse_clashes(observer, reconstruction)

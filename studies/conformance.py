@@ -38,10 +38,6 @@ def _descriptions(block: Block) -> Iterator[str]:
     for name, parameter in block.parameters.items():
         if not (parameter.sentence and parameter.source and parameter.unit):
             yield f"{block.name}: parameter {name} needs a sentence, a source and a unit"
-        if not (parameter.above < parameter.default < parameter.below) or not (
-            parameter.least <= parameter.default <= parameter.most
-        ):
-            yield f"{block.name}: the default of {name} is outside its own bounds"
 
 
 def _numbers(whole: Block) -> Iterator[str]:

@@ -83,9 +83,22 @@ def time_grid(value: Callable[[str], float]) -> Grid:
     def whole(path: str) -> int:
         """The time at `path` in steps."""
         steps = value(path) / h
+        if steps > _MOST_STEPS:
+            raise ScenarioError(f"{path} = {value(path):g} at step = {h:g} is more than {_MOST_STEPS:,} steps")
+        if value(path) > 0 and round(steps) == 0:
+            raise ScenarioError(f"{path} = {value(path):g} is below step = {h:g}")
         if abs(steps - round(steps)) > _ROUNDING * max(1.0, steps):
             raise ScenarioError(f"{path} = {value(path):.12g} must be a whole multiple of step = {h:.12g}")
         return round(steps)
+
+    def pulse(name: str) -> tuple[int, int]:
+        """First step on, first step off."""
+        start, stop = whole(f"{name}.start"), whole(f"{name}.stop")
+        if stop < start:
+            raise ScenarioError(
+                f"{name}.stop = {value(f'{name}.stop'):g} must not be before {name}.start = {value(f'{name}.start'):g}"
+            )
+        return start, stop
 
     record, steps = whole("record"), whole("duration")
     if steps % record:
@@ -95,6 +108,7 @@ def time_grid(value: Callable[[str], float]) -> Grid:
         steps=steps,
         record=record,
         hold=whole("noise.period"),
-        window=math.ceil(value("score.start") / h * (1 - _ROUNDING)),
-        pulses=tuple((whole(f"{name}.start"), whole(f"{name}.stop")) for name in PULSES),
+        # beyond the end there is no window, however far
+        window=math.ceil(min(value("score.start") / h * (1 - _ROUNDING), steps + 1)),
+        pulses=tuple(pulse(name) for name in PULSES),
     )
