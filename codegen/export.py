@@ -9,9 +9,21 @@ from importlib import resources
 import casadi as ca
 
 from ..model.block import Block, BlockError
-from .stepper import ROLES, functions
+from .constants import hoisted
+from .stepper import functions
 
 _KERNEL = "hillobs.codegen.kernel"
+# what a block of the loop can do: arguments and results of each role, in the order of the kernel's calls
+_ROLES = {
+    "constants": (("h", "p"), ("c",)),
+    "init": (("t", "p", "held", "staged"), ("x_next",)),
+    "front": (("t", "c", "x", "held", "staged"), ("front",)),
+    "step": (("t", "c", "x", "held", "staged"), ("x_next", "stages")),
+    "sample": (("t", "c", "x", "held", "staged"), ("x_next",)),
+    "each": (("t", "c", "x", "held", "staged"), ("x_next",)),
+    "out": (("t", "c", "x", "held", "staged"), ("y", "domain")),
+    "watch": (("t", "c", "x", "held", "staged"), ("guards",)),
+}
 
 
 @dataclass(frozen=True)
@@ -20,17 +32,16 @@ class Source:
 
     text: str
     description: Mapping[str, object]
-    functions: tuple[ca.Function, ...]
 
 
 @dataclass(frozen=True, eq=False)  # one is itself: symbols have no equality
 class Loop:
-    """A closed loop to export: the truth, its observers, the score of each, and what passes between them."""
+    """A closed loop to export: the truth, the sensors that look at it, the observers, and the score of each."""
 
     truth: Block
+    sensors: Block  # no states; inputs are outputs of the truth and noise
     observers: tuple[Block, ...]
     score: Block
-    measured: tuple[str, ...]  # outputs of the truth that observers see
     noise: tuple[str, ...]  # held inputs that the kernel draws, in (−1, 1]
     pulses: tuple[str, ...]  # held inputs that the kernel switches on and off
     flags: tuple[str, str] = ("window", "sample")  # held inputs of the score: errors count, a sample instant
@@ -41,67 +52,126 @@ class Loop:
         return (*self.noise, *self.pulses, *self.flags)
 
     @property
+    def seen(self) -> tuple[str, ...]:
+        """The outputs of the truth that the sensors measure."""
+        return tuple(port for port in self.sensors.u if port not in self.held)
+
+    @property
+    def fronts(self) -> tuple[str, ...]:
+        """What observers compute from the measurements alone."""
+        return tuple(dict.fromkeys(name for observer in self.observers for name in observer.front))
+
+    @property
     def blocks(self) -> tuple[Block, ...]:
-        """The rows of the C table."""
-        return (self.truth, *self.observers, self.score)
+        """The parts of the loop in the kernel's order."""
+        return (self.truth, self.sensors, *self.observers, self.score)
 
     def __post_init__(self) -> None:
         names = [block.name for block in self.blocks]
         if double := {name for name in names if names.count(name) > 1}:
             raise BlockError(f"two blocks of the loop are called {', '.join(sorted(double))}")
+        outputs = list(self.observers[0].y)
+        if odd := [observer.name for observer in self.observers if list(observer.y) != outputs]:
+            raise BlockError(f"{odd[0]}: its outputs must be {', '.join(outputs)}")
+
+    def functions(self, block: Block) -> dict[str, ca.Function]:
+        """The roles of one of `blocks`, with its parameters as an argument."""
+        measured = tuple(self.sensors.y)
+        staged = {self.truth.name: (), self.sensors.name: self.seen}.get(block.name, (*measured, *self.fronts))
+        if block is self.score:
+            staged = (*self.truth.y, *self.observers[0].y)
+        return functions(block, self.held, staged, self.seen if block is self.truth else ())
 
 
 def export_functions(every: Sequence[ca.Function]) -> Source:
     """A library of functions, to be evaluated at many points."""
-    return _source(every, {}, "", [])
+    for function in every:
+        _refuse_sparse(function)
+    parts = [*_lanes(), _casadi("static", every), _function_table(every), _kernel("call.cpp")]
+    listed = [
+        {"name": f.name(), "in": _sizes(f.n_in(), f.numel_in), "out": _sizes(f.n_out(), f.numel_out)} for f in every
+    ]
+    return Source("\n".join(parts), {"functions": listed})
 
 
 def export_loop(loop: Loop) -> Source:
     """A library that runs the loop for any parameters, initial values, seeds, durations and choice of observers."""
-    scored = (*loop.truth.y, *loop.observers[0].y)
-    tables = [functions(loop.truth, loop.held, (), loop.measured)]
-    tables += [functions(observer, loop.held, loop.measured) for observer in loop.observers]
-    tables += [functions(loop.score, loop.held, scored)]
-    rows = ",\n    ".join(_row(block, table) for block, table in zip(loop.blocks, tables, strict=True))
-    staged = [list(loop.truth.y).index(name) for name in loop.measured]
+    tables = {block.name: hoisted(block.name, loop.functions(block)) for block in loop.blocks}
+    every = [function for table in tables.values() for function in table.values()]
+    parts = [_part(block, tables[block.name]) for block in loop.blocks]
     sizes = {
         "N_NOISE": len(loop.noise),
         "N_PULSES": len(loop.pulses),
-        "N_STAGED": len(staged),
-        "SCORE_BLOCK": len(loop.blocks) - 1,
-        "MAX_STATES": max(1, *(len(block.x) for block in loop.blocks)),
-        "MAX_GUARDS": max(1, *(max(len(block.guards), len(block.domain)) for block in loop.blocks)),
-        "MAX_SCORED": len(scored),
+        "N_SEEN": len(loop.seen),
+        "N_MEASURED": len(loop.sensors.y),
+        "N_FRONT": len(loop.fronts),
+        "N_TRUTH": len(loop.truth.y),
+        "N_ESTIMATES": len(loop.observers[0].y),
+        "N_OBSERVERS": len(loop.observers),
     }
-    text = f"static const Block BLOCKS[] = {{\n    {rows}}};\nstatic const int STAGED[] = {{{_list(staged)}}};\n"
+    names = {
+        "Truth": loop.truth.name,
+        "Sensors": loop.sensors.name,
+        "Score": loop.score.name,
+    }
+    aliases = [f"typedef Part_{name} {alias};" for alias, name in names.items()]
+    aliases.append(f"typedef List<{', '.join(f'Part_{observer.name}' for observer in loop.observers)}> Observers;")
+    inline = "static inline __attribute__((always_inline))"
+    text = [*_lanes(), _casadi(inline, every), _kernel("philox.hpp"), *parts, _enumeration(sizes)]
+    text += ["template <class... Blocks> struct List {};", *aliases, _kernel("loop.cpp")]
     description = {
         "held": list(loop.held),
-        "measured": list(loop.measured),
-        "blocks": [_describe(block) for block in loop.blocks],
+        "blocks": [_describe(block, tables[block.name]) for block in loop.blocks],
     }
-    every = [function for table in tables for function in table.values()]
-    return _source(every, description, _enumeration(sizes) + text, ["philox.hpp", "loop.cpp"])
+    return Source("\n".join(text), description)
 
 
-def _source(every: Sequence[ca.Function], description: Mapping[str, object], tables: str, kernel: list[str]) -> Source:
-    for function in every:
-        if not all(function.sparsity_in(i).is_dense() for i in range(function.n_in())) or not all(
-            function.sparsity_out(i).is_dense() for i in range(function.n_out())
-        ):
-            raise ValueError(f"{function.name()}: arguments and results must be dense")
-    parts = [_kernel("types.hpp"), _c_text(every), _kernel("end.hpp"), _function_table(every), tables]
-    text = "\n".join([*parts, *map(_kernel, kernel), _kernel("call.cpp")])
-    listed = [
-        {"name": f.name(), "in": _sizes(f.n_in(), f.numel_in), "out": _sizes(f.n_out(), f.numel_out)} for f in every
-    ]
-    return Source(text, {"functions": listed, **description}, tuple(every))
+def _lanes() -> list[str]:
+    return [_kernel("lanes.hpp"), _kernel("functions.hpp")]
 
 
-def _c_text(every: Sequence[ca.Function]) -> str:
+def _casadi(linkage: str, every: Sequence[ca.Function]) -> str:
+    """The C that CasADi writes, unchanged, with lanes in the place of double."""
     generator = ca.CodeGenerator("generated.c")
     for function in every:
         generator.add(function)
-    return str(generator.dump())
+    before = f"#define CASADI_SYMBOL_EXPORT {linkage}\n" + _kernel("before.hpp")
+    return "\n".join([before, str(generator.dump()), _kernel("after.hpp")])
+
+
+def _part(block: Block, table: Mapping[str, ca.Function]) -> str:
+    """A type of the kernel's for `block`: its sizes, and its functions with plain arrays as arguments."""
+    sizes = {
+        "NX": len(block.x),
+        "NP": len(block.p),
+        "NC": table["constants"].numel_out(0),
+        "NY": len(block.y),
+        "N_GUARDS": len(block.guards),
+        "N_DOMAIN": len(block.domain),
+        **{f"HAS_{role.upper()}": int(role in table) for role in ("front", "sample", "each")},
+    }
+    roles = [_role(role, table[role]) for role in _ROLES if role in table]
+    return f"struct Part_{block.name} {{\n    {_enumeration(sizes)}{''.join(roles)}}};\n"
+
+
+def _role(role: str, function: ca.Function) -> str:
+    names_in, names_out = _ROLES[role]
+    arguments = ", ".join([*(f"const V *{name}" for name in names_in), *(f"V *{name}" for name in names_out)])
+    given = ", ".join(function.name_in())
+    wanted = ", ".join(function.name_out())
+    unused = "".join(f" (void){name};" for name in (*names_in, *names_out))
+    return (
+        f"    INLINE void {role}({arguments}) {{\n       {unused}\n"
+        f"        const V *arg[] = {{{given}}};\n        V *res[] = {{{wanted}}};\n"
+        f"        {function.name()}(arg, res, 0, 0, 0);\n    }}\n"
+    )
+
+
+def _refuse_sparse(function: ca.Function) -> None:
+    if not all(function.sparsity_in(i).is_dense() for i in range(function.n_in())) or not all(
+        function.sparsity_out(i).is_dense() for i in range(function.n_out())
+    ):
+        raise ValueError(f"{function.name()}: arguments and results must be dense")
 
 
 def _kernel(name: str) -> str:
@@ -114,24 +184,23 @@ def _function_table(every: Sequence[ca.Function]) -> str:
     for i, f in enumerate(every):
         for way, sizes in (("in", _sizes(f.n_in(), f.numel_in)), ("out", _sizes(f.n_out(), f.numel_out))):
             lists.append(f"static const int {way}_{i}[] = {{{_list(sizes)}}};")
-        rows.append(f'{{"{f.name()}", {f.name()}, {f.n_in()}, {f.n_out()}, in_{i}, out_{i}}}')
+        rows.append(f"{{{f.name()}, {f.n_in()}, {f.n_out()}, in_{i}, out_{i}}}")
     largest = {
         "MAX_ARGUMENTS": max(max(f.n_in(), f.n_out(), f.sz_arg(), f.sz_res()) for f in every),
+        "MAX_NUMBERS": max(1, *(f.nnz_in() + f.nnz_out() for f in every)),
         "MAX_WORK": max(1, *(max(f.sz_w(), f.sz_iw()) for f in every)),
     }
-    table = "static const Function FUNCTIONS[] = {\n    " + ",\n    ".join(rows) + "};\n"
+    table = _kernel("function.hpp") + "static const Function FUNCTIONS[] = {\n    " + ",\n    ".join(rows) + "};\n"
     return "\n".join([*lists, table]) + _enumeration(largest)
 
 
-def _row(block: Block, table: Mapping[str, ca.Function]) -> str:
-    sizes = f"{len(block.x)}, {len(block.y)}, {len(block.guards)}, {len(block.domain)}"
-    roles = ", ".join(table[role].name() if role in table else "0" for role in ROLES)
-    return f'{{"{block.name}", {sizes}, {roles}}}'
-
-
-def _describe(block: Block) -> dict[str, object]:
+def _describe(block: Block, table: Mapping[str, ca.Function]) -> dict[str, object]:
     groups = {"x": block.x, "p": block.p, "y": block.y, "guards": block.guards, "domain": block.domain}
-    return {"name": block.name, **{group: list(entries) for group, entries in groups.items()}}
+    return {
+        "name": block.name,
+        **{group: list(entries) for group, entries in groups.items()},
+        "constants": table["constants"].numel_out(0),
+    }
 
 
 def _sizes(n: int, numel: Callable[[int], int]) -> list[int]:

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .cache import ABI, BuildError
 from .export import Source, export_functions
-from .toolchain import build
+from .toolchain import NATIVE, build
 
 Array = NDArray[np.float64]
 _DOUBLES = np.ctypeslib.ndpointer(np.float64, flags="C_CONTIGUOUS")
@@ -36,16 +36,21 @@ def open_library(path: Path) -> ctypes.CDLL:
     return library
 
 
-class Library:
-    """The compiled functions of a Source, by name."""
+def load(source: Source, baseline: str = NATIVE) -> tuple[Path, ctypes.CDLL]:
+    """Path and library of a Source, compiled for `baseline` unless the cache has it. BuildError if that fails."""
+    path = build(source.text, source.description, baseline)
+    return path, open_library(path)
 
-    def __init__(self, source: Source) -> None:
-        self.path = build(source.text, source.description)
-        self.dll = open_library(self.path)
+
+class Library:
+    """Compiled functions, by name."""
+
+    def __init__(self, functions: Sequence[ca.Function]) -> None:
+        self.path, self.dll = load(export_functions(functions))
         self.dll.hillobs_call.argtypes = (ctypes.c_int64, ctypes.c_int64, _DOUBLES, _DOUBLES)
         self.dll.hillobs_call.restype = ctypes.c_int
         self._functions: Mapping[str, tuple[int, ca.Function]] = {
-            function.name(): (index, function) for index, function in enumerate(source.functions)
+            function.name(): (index, function) for index, function in enumerate(functions)
         }
 
     def call(self, name: str, *arguments: ArrayLike) -> list[Array]:
@@ -71,7 +76,7 @@ class Library:
 
 def compile_functions(functions: Sequence[ca.Function]) -> Library:
     """The functions as compiled C."""
-    return Library(export_functions(functions))
+    return Library(functions)
 
 
 def _explain(path: Path, words: str) -> str:

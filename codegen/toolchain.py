@@ -25,10 +25,19 @@ from . import cache
 from .cache import ABI, BuildError
 
 FLAGS = (
-    *("-x", "c++", "-std=c++17", "-O2", "-fPIC", "-shared", "-fvisibility=hidden"),
-    *("-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math"),  # -ffast-math would change the caller's FPU
-    *("-Wall", "-Wextra", f"-DHILLOBS_ABI={ABI}"),
+    *("-x", "c++", "-std=c++17", "-O3", "-fPIC", "-shared", "-fvisibility=hidden"),
+    *("-ffp-contract=fast", "-fno-math-errno", "-fno-trapping-math"),  # -ffast-math would change the caller's FPU
+    *("-Wall", "-Wextra", "-Wno-psabi", f"-DHILLOBS_ABI={ABI}"),  # vectors as arguments stay within one library
 )
+NATIVE = "native"
+# the processors that a library is for: this one; a class of them, for equal numbers on several machines; any, one
+# run at a time
+BASELINES: Mapping[str, tuple[str, ...]] = {
+    NATIVE: ("-mcpu=native",) if platform.machine() in ("aarch64", "arm64") else ("-march=native",),
+    "x86-64-v3": ("-march=x86-64-v3",),
+    "x86-64-v4": ("-march=x86-64-v4",),
+    "scalar": ("-DHILLOBS_SCALAR",),
+}
 COMPILE_TIMEOUT = 300.0  # seconds
 KEPT_LINES, KEPT_BYTES = 20, 16_000  # of what a compiler prints
 
@@ -50,16 +59,19 @@ class Compiler:
     path: Path
 
 
-def build(source: str, description: Mapping[str, object]) -> Path:
+def build(source: str, description: Mapping[str, object], baseline: str = NATIVE) -> Path:
     """Return the verified library of `source`, one C++ translation unit, compiled unless the cache has it.
 
     `description` is what the caller knows of it (names in array order, sizes); the manifest must say the same.
+    `baseline` is a name of BASELINES.
     """
     compiler = find_compiler()
-    key = cache.entry_key({"source": source, "description": description, **_circumstances(compiler)})
+    flags = _target(baseline)
+    circumstances = {**_circumstances(compiler), "target": flags}
+    key = cache.entry_key({"source": source, "description": description, **circumstances})
 
     def make(folder: Path) -> Path:
-        return compile_library(source, folder, compiler)
+        return compile_library(source, folder, compiler, flags)
 
     return cache.obtain(key, description, make, patience=_timeout() + 60)
 
@@ -150,6 +162,19 @@ def _kind(version: str) -> str:
         if sign in version:
             return kind
     return "unknown"
+
+
+def _target(baseline: str) -> tuple[str, ...]:
+    """Return the flags for the processors of `baseline`, or raise."""
+    flags = BASELINES.get(baseline)
+    if flags is None:
+        raise BuildError(f"Unknown baseline {baseline!r}; there are {', '.join(BASELINES)}.")
+    machine = "x86_64" if baseline.startswith("x86") else platform.machine()
+    if machine != platform.machine().lower().replace("amd64", "x86_64"):
+        raise BuildError(f"The baseline {baseline} is for x86-64; this machine is {platform.machine()}.")
+    # registers of 512 bits, where there are any: gcc would rather use half of them
+    wide = ("-mprefer-vector-width=512",) if platform.machine() == "x86_64" and baseline != "scalar" else ()
+    return (*flags, *wide)
 
 
 def _flags(compiler: Compiler) -> tuple[str, ...]:

@@ -1,4 +1,4 @@
-"""The truth of a run, one composite: reference, uncertainty, plant, controller, sensors."""
+"""The truth of a run, one composite: reference, uncertainty, plant, controller. Sensors look at it from outside."""
 
 from __future__ import annotations
 
@@ -9,34 +9,30 @@ from .curves import NGUYEN2019, CurveSet
 from .pair import pair
 from .pulses import PULSES, pulses
 from .reference import reference
-from .sensors import sensors
-from .symbols import MEASURED, QUANTITIES, STATES
+from .sensors import SENSED
+from .symbols import QUANTITIES, STATES
 from .uncertainty import uncertainty
 from .wiring import rename, wire
 
-NOISE_CHANNELS = ("w1", "w2", "w3")
 TAUT = ("taut1", "taut2")
 # parameters of these parts are known by other names, signals of those without the part's
-_PREFIXES = {"sensors": "noise.", "pulses": "", "activations": ""}
-_BARE = ("plant", "sensors", "uncertainty", "reference")
+_PREFIXES = {"pulses": "", "activations": ""}
+_BARE = ("plant", "uncertainty", "reference")
 
 
 def closed_loop(drive: str = "virtual", curves: CurveSet = NGUYEN2019, controller: Block | None = None) -> Block:
-    """The Block `truth` with the outputs x1…x4, Delta, u1, u2, a1, a2, taut1, taut2, y1, y2, y3 (and r, if followed).
+    """The Block `truth` with the outputs x1…x4, Delta, u1, u2, a1, a2, taut1, taut2, Phi_S1, Phi_S2 (r, if followed).
 
-    Inputs: t, the held noise w1…w3 and the held gates of the pulses. With the drive `given` there is no controller.
+    Inputs: t and the held gates of the pulses. With the drive `given` there is no controller.
     """
     plant = pair(drive, curves)
-    measured = {"x1": "plant.x1", "Phi_S1": "plant.Phi_S1", "Phi_S2": "plant.Phi_S2"}
-    parts = [uncertainty(), plant, sensors()]
+    parts = [uncertainty(), plant]
     connections: dict[str, str | float] = {
         "uncertainty.t": "t",
         "plant.Delta": "uncertainty.Delta",
-        **{f"sensors.{port}": source for port, source in measured.items()},
-        **{f"sensors.{channel}": channel for channel in NOISE_CHANNELS},
     }
-    held = [*NOISE_CHANNELS]
-    outputs = [*QUANTITIES, *TAUT, *MEASURED]
+    held: list[str] = []
+    outputs = [*QUANTITIES, *TAUT, *(signal for signal in SENSED if signal not in QUANTITIES)]
     if drive == "given":
         parts.append(given_activations())
         connections |= {"activations.t": "t", "plant.a1": "activations.a1", "plant.a2": "activations.a2"}
@@ -60,7 +56,7 @@ def closed_loop(drive: str = "virtual", curves: CurveSet = NGUYEN2019, controlle
 
 
 def _names(wired: Block) -> dict[str, str]:
-    """Composite names as the paths of a scenario: `plant.x1` → `x1`, `sensors.force` → `noise.force`, …."""
+    """Composite names as the paths of a scenario: `plant.x1` → `x1`, `plant.muscle1.k` → `muscle1.k`, …."""
     names = {}
     for key in wired.p:
         part, _, rest = key.partition(".")

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from ..model.block import Block, BlockError
+from ..model.block import Block, BlockError, Symbols
 from ..model.curves import NGUYEN2019, CurveSet
 from ..model.symbols import hat
 from ..model.wiring import rename, wire
@@ -14,13 +14,14 @@ from .activation import activation_estimate
 from .baseline import baseline
 from .conditions import Conditions
 from .ports import ESTIMATES, INPUTS
+from .tendons import LENGTHS, tendons
 
 
 @dataclass(frozen=True)
 class Observer:
     """How an observer is built, what its theorem asks, and what tables and figures call it."""
 
-    build: Callable[[CurveSet], Block]
+    build: Callable[[], Block]
     conditions: Conditions
     label: str
 
@@ -43,7 +44,8 @@ _ACTIVATIONS = ("a1_hat", "a2_hat")
 
 
 def estimator(observer: Block, curves: CurveSet = NGUYEN2019) -> Block:
-    """`observer` with the activation block behind it (unless it estimates the activations itself).
+    """`observer` with the tendons in front of it (if it asks for their lengths) and the activation block behind it
+    (unless it estimates the activations itself).
 
     Refuses a Block without the observer's ports (BlockError).
     """
@@ -59,36 +61,47 @@ def estimator(observer: Block, curves: CurveSet = NGUYEN2019) -> Block:
     if len(own) == 1:
         other = next(name for name in _ACTIVATIONS if name not in own)
         raise BlockError(f"{observer.name}: it estimates {own[0]}, so it must estimate {other} as well")
-    if own:
-        return rename(observer, observer.name, {}, [*ESTIMATES, *_ACTIVATIONS])
-    reconstruction = activation_estimate(curves)
-    _refuse_clashes(observer, reconstruction)
-    connections = {f"{observer.name}.{port}": port for port in observer.u}
-    connections |= {f"activation.{name}": f"{observer.name}.{name}" for name in ESTIMATES}
-    external = {port: "t" if port == "t" else "held" if port in observer.held else "staged" for port in observer.u}
-    wired = wire(observer.name, [observer, reconstruction], connections, external)
+    before = [tendons(curves)] if set(observer.u) & set(LENGTHS) else []
+    behind = [] if own else [activation_estimate(curves)]
+    for part in (*before, *behind):
+        _refuse_clashes(observer, part)
+    parts = [*before, observer, *behind]
+    connections = {f"{part.name}.{port}": port for part in (*before, observer) for port in part.u}
+    connections |= {f"{part.name}.{name}": f"{observer.name}.{name}" for part in behind for name in ESTIMATES}
+    ports = dict.fromkeys(connection for connection in connections.values() if connection in INPUTS)
+    external = {port: "t" if port == "t" else "held" if port in observer.held else "staged" for port in ports}
+    wired = wire(observer.name, parts, connections, external)
     every = [*wired.x, *wired.y, *wired.p, *wired.guards, *wired.domain]
-    return rename(wired, observer.name, {key: key.partition(".")[2] for key in every}, [*ESTIMATES, *_ACTIVATIONS])
+    lengths = list(LENGTHS) if before else []
+    whole = rename(
+        wired,
+        observer.name,
+        {key: key.partition(".")[2] for key in every},
+        [*ESTIMATES, *_ACTIVATIONS, *lengths],
+    )
+    # the lengths are inputs that it computes itself
+    y = Symbols({name: value for name, value in whole.y.items() if name not in lengths})
+    return replace(whole, y=y, front=Symbols({name: whole.y[name] for name in lengths}))
 
 
-def _refuse_clashes(observer: Block, reconstruction: Block) -> None:
-    """A name of the observer that the activation has too must be the same shared number."""
-    for name, parameter in reconstruction.parameters.items():
+def _refuse_clashes(observer: Block, part: Block) -> None:
+    """A name of the observer that another part of its estimator has too must be the same shared number."""
+    for name, parameter in part.parameters.items():
         own = observer.parameters.get(name)
         if own is not None and (not own.shared or own.shared != parameter.shared):
             raise BlockError(
-                f"{observer.name}: the activation behind it has a parameter {name} too; give yours another name"
+                f"{observer.name}: the {part.name} wired to it has a parameter {name} too; give yours another name"
                 + (f", or share {parameter.shared}" if parameter.shared else "")
             )
-    if same := [name for name in reconstruction.guards if name in observer.guards]:
+    if same := [name for name in part.guards if name in observer.guards]:
         raise BlockError(
-            f"{observer.name}: the activation behind it has the guard {same[0]} too; give yours another name"
+            f"{observer.name}: the {part.name} wired to it has the guard {same[0]} too; give yours another name"
         )
 
 
 def baseline_estimator(curves: CurveSet = NGUYEN2019) -> Block:
     """The trivial baseline, wired like an observer."""
-    return estimator(baseline(curves), curves)
+    return estimator(baseline(), curves)
 
 
 __all__ = ["ESTIMATES", "OBSERVERS", "Observer", "baseline_estimator", "estimator", "hat", "label"]

@@ -7,12 +7,10 @@ import math
 import casadi as ca
 
 from ..model.block import Block, Parameter, Symbols, symbols
-from ..model.curves import NGUYEN2019, CurveSet, per_muscle
 from ..model.dialect import clamp, dead_zone, root, sg
 from ..model.skeleton import MASS
-from ..model.symbols import MEASURED
 from .conditions import RK4_LIMIT, Condition, above, below, between, equal, positive
-from .ports import START, estimates, output_errors, start
+from .ports import SENSED, START, estimates, output_errors, start
 
 _PAPER, _CHOSEN = "paper, §V", "chosen, spec §6"
 _BETA0 = 1.1
@@ -50,13 +48,11 @@ PARAMETERS = {
 }
 
 
-def adaptive_sliding_mode(curves: CurveSet = NGUYEN2019) -> Block:
-    """Inputs y1, y2, y3; seven estimates and six adaptive states."""
+def adaptive_sliding_mode() -> Block:
+    """Inputs y1, y2, y3, L_S1, L_S2; seven estimates and six adaptive states."""
     x = symbols("x1_hat x2_hat Delta_hat x3_hat u1_hat x4_hat u2_hat l_a r_a0 k_1 r_a1 k_2 r_a2")
-    u = symbols(MEASURED)
-    parameters = {**PARAMETERS, **per_muscle(curves.tendon)}
-    p = symbols(parameters)
-    e1, e3, e4 = output_errors(x, u, p, curves)
+    u, p = symbols(SENSED), symbols(PARAMETERS)
+    e1, e3, e4 = output_errors(x, u)
     s1, s3, s4 = sg(e1, p.delta_a), sg(e3, p.delta_a), sg(e4, p.delta_a)
 
     # first layer of x̂₁, x̂₂.  L = l₀ + l_a,  d₀ = L − |Δ̂|/(aβ₀) − ε_a0   [La], [deltaa0]
@@ -102,7 +98,7 @@ def adaptive_sliding_mode(curves: CurveSet = NGUYEN2019) -> Block:
         x=x,
         u=u,
         p=p,
-        parameters=parameters,
+        parameters=PARAMETERS,
         dx=dx,
         x0=Symbols(**start(p), k_1=p.k_0, k_2=p.k_0),
         y=estimates(x),

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from ..model.block import Block, Parameter, Symbols, symbols
-from ..model.curves import NGUYEN2019, CurveSet, per_muscle
 from ..model.skeleton import MASS
-from ..model.symbols import MEASURED
 from .conditions import RK4_LIMIT, Condition, above, below, between, positive
-from .ports import START, estimates, output_errors, start
+from .ports import SENSED, START, estimates, output_errors, start
 
 _PAPER = "paper, §V"
 
@@ -25,13 +23,11 @@ PARAMETERS = {
 }
 
 
-def high_gain(curves: CurveSet = NGUYEN2019) -> Block:
-    """Inputs y1, y2, y3; seven states, which are the estimates."""
+def high_gain() -> Block:
+    """Inputs y1, y2, y3, L_S1, L_S2; seven states, which are the estimates."""
     x = symbols("x1_hat x2_hat Delta_hat x3_hat u1_hat x4_hat u2_hat")
-    u = symbols(MEASURED)
-    parameters = {**PARAMETERS, **per_muscle(curves.tendon)}
-    p = symbols(parameters)
-    e1, e3, e4 = output_errors(x, u, p, curves)
+    u, p = symbols(SENSED), symbols(PARAMETERS)
+    e1, e3, e4 = output_errors(x, u)
     eps = p.eps_h
     dx = Symbols(
         # x̂̇₁ = x̂₂ + h₁₁/ε e₁   [HO1a]
@@ -49,7 +45,7 @@ def high_gain(curves: CurveSet = NGUYEN2019) -> Block:
         # û̇₂ = h₃₂/ε² e₄   [HO3b]
         u2_hat=p.h32 / eps**2 * e4,
     )
-    return Block("high_gain", x=x, u=u, p=p, parameters=parameters, dx=dx, x0=start(p), y=estimates(x))
+    return Block("high_gain", x=x, u=u, p=p, parameters=PARAMETERS, dx=dx, x0=start(p), y=estimates(x))
 
 
 def conditions(p: Symbols, facts: Symbols) -> list[Condition]:

@@ -5,11 +5,12 @@ from __future__ import annotations
 import casadi as ca
 
 from ..model.block import Parameter, Parameters, Symbols
-from ..model.curves import CurveSet
-from ..model.symbols import MEASURED, MUSCLES, QUANTITIES, STATES, hat
+from ..model.symbols import MEASURED, QUANTITIES, STATES, hat
+from .tendons import LENGTHS
 
 # an observer is a Block with (some of) these inputs and all of these outputs
-INPUTS = ("t", *MEASURED)
+SENSED = (*MEASURED, *LENGTHS)
+INPUTS = ("t", *SENSED)
 ESTIMATES = tuple(hat(name) for name in QUANTITIES if name not in ("a1", "a2"))
 
 _START = dict(zip(STATES, (2.62, 0.0, 2.01, 2.01), strict=True))
@@ -27,11 +28,10 @@ def start(p: Symbols) -> Symbols:
     return Symbols({hat(x): p[f"initial.{hat(x)}"] for x in STATES})
 
 
-def output_errors(x: Symbols, u: Symbols, p: Symbols, curves: CurveSet) -> tuple[ca.SX, ca.SX, ca.SX]:
+def output_errors(x: Symbols, u: Symbols) -> tuple[ca.SX, ca.SX, ca.SX]:
     """e₁, e₃, e₄ of the observer."""
-    L_S1, L_S2 = (curves.Phi_S_inv(u[y], p.part(muscle)) for y, muscle in zip(("y2", "y3"), MUSCLES, strict=True))
     # e₁ = y₁ − x̂₁,  e₃ = Φ_S⁻¹(y₂) − x̂₃,  e₄ = Φ_S⁻¹(y₃) − x̂₄
-    return u.y1 - x.x1_hat, L_S1 - x.x3_hat, L_S2 - x.x4_hat
+    return u.y1 - x.x1_hat, u.L_S1 - x.x3_hat, u.L_S2 - x.x4_hat
 
 
 def estimates(x: Symbols) -> Symbols:

@@ -5,14 +5,17 @@ from __future__ import annotations
 import casadi as ca
 
 from ..model.block import Block, Parameter, Symbols, symbols
-from ..model.symbols import QUANTITIES, SIGNALS, hat, muscle_of
+from ..model.symbols import MUSCLES, QUANTITIES, SIGNALS, hat, muscle_of
 
 # the differences of these from sample to sample are the chattering
 CHATTERING = ("Delta", "u1", "u2", "a1", "a2")
-SUMS = ("squares", "count", "peak", "settling")
-CHATTER_SUMS = ("chatter", "pairs", "previous", "counted")
+# a quantity of a muscle counts only while its tendon is taut
+_TAUT = {"always": "", **dict(zip(MUSCLES, ("taut1", "taut2"), strict=True))}
 
-_TAUT = {"muscle1": "taut1", "muscle2": "taut2"}
+
+def counted_with(quantity: str) -> str:
+    """Whose counts are those of `quantity`: a muscle's, or `always`."""
+    return muscle_of(quantity) or "always"
 
 
 def _switch(condition: ca.SX, new: ca.SX, old: ca.SX) -> ca.SX:
@@ -20,14 +23,15 @@ def _switch(condition: ca.SX, new: ca.SX, old: ca.SX) -> ca.SX:
 
 
 def score() -> Block:
-    """Inputs: t, the truth, the estimates; held: `window` (1 while errors count), `sample` (1 at a sample instant).
+    """Inputs: t, the truth, the estimates; held: `window` (1 while errors count).
 
-    States per quantity: squares, count (of the window), peak, settling (over the whole run), and for the
-    chattering ones chatter, pairs, previous, counted. A quantity counts only while its tendon is taut.
+    States per quantity: squares (of the window), peak, settling (over the whole run), and from sample to sample
+    chatter and previous for the chattering ones. Per muscle, and for what always counts: count of grid points in the
+    window, pairs of neighbouring samples, and whether the last sample counted.
     """
-    truth, taut = symbols(QUANTITIES), symbols(_TAUT.values())
+    truth, taut = symbols(QUANTITIES), symbols(filter(None, _TAUT.values()))
     estimate = symbols(hat(name) for name in QUANTITIES)
-    flags = symbols("t window sample")
+    flags = symbols("t window")
     parameters = {
         f"tolerance.{name}": Parameter(
             SIGNALS[name].tolerance, f"error of {name} that counts as settled", "spec §9", above=0
@@ -35,29 +39,37 @@ def score() -> Block:
         for name in QUANTITIES
     }
     p = symbols(parameters)
-    x, per_step = Symbols(), Symbols()
+    x, per_step, at_sample = Symbols(), Symbols(), Symbols()
+
+    def add(to: Symbols, prefix: str, states: Symbols, now: Symbols) -> None:
+        x.update({f"{prefix}.{key}": symbol for key, symbol in states.items()})
+        to.update({f"{prefix}.{key}": expression for key, expression in now.items()})
+
+    seen, pair = {}, {}
+    for name, port in _TAUT.items():
+        seen[name] = taut[port] if port else ca.SX(1)
+        state = symbols("count")
+        add(per_step, name, state, Symbols(count=state.count + flags.window * seen[name]))
+        state = symbols("pairs counted")
+        # neighbouring samples, both in the window and both taut
+        counts = flags.window * seen[name]
+        pair[name] = counts * state.counted
+        add(at_sample, name, state, Symbols(pairs=state.pairs + pair[name], counted=counts))
     for name in QUANTITIES:
-        state = symbols([*SUMS, *(CHATTER_SUMS if name in CHATTERING else ())])
-        muscle = muscle_of(name)
-        counts = taut[_TAUT[muscle]] if muscle else ca.SX(1)
-        value = estimate[hat(name)]
-        error = value - truth[name]
+        counts, value = seen[counted_with(name)], estimate[hat(name)]
+        error = counts * (value - truth[name])
+        state = symbols("squares peak settling")
         now = Symbols(
-            squares=state.squares + flags.window * counts * error**2,
-            count=state.count + flags.window * counts,
-            peak=ca.fmax(state.peak, counts * ca.fabs(error)),
+            squares=state.squares + flags.window * error**2,
+            peak=ca.fmax(state.peak, ca.fabs(error)),
             # the last time |error| exceeds the tolerance
-            settling=_switch(counts * ca.fabs(error) > p[f"tolerance.{name}"], flags.t, state.settling),
+            settling=_switch(ca.fabs(error) > p[f"tolerance.{name}"], flags.t, state.settling),
         )
+        add(per_step, name, state, now)
         if name in CHATTERING:
-            # a pair of neighbouring samples, both in the window and both taut
-            pair = flags.sample * flags.window * counts * state.counted
-            now["chatter"] = state.chatter + pair * ca.fabs(value - state.previous)
-            now["pairs"] = state.pairs + pair
-            now["previous"] = _switch(flags.sample, value, state.previous)
-            now["counted"] = _switch(flags.sample, flags.window * counts, state.counted)
-        x |= {f"{name}.{key}": symbol for key, symbol in state.items()}
-        per_step |= {f"{name}.{key}": expression for key, expression in now.items()}
+            state = symbols("chatter previous")
+            change = pair[counted_with(name)] * ca.fabs(value - state.previous)
+            add(at_sample, name, state, Symbols(chatter=state.chatter + change, previous=value))
     return Block(
         "score",
         x=x,
@@ -65,5 +77,6 @@ def score() -> Block:
         p=p,
         parameters=parameters,
         per_step=per_step,
-        held=frozenset(("window", "sample")),
+        next=at_sample,
+        held=frozenset(("window",)),
     )

@@ -5,12 +5,10 @@ from __future__ import annotations
 import casadi as ca
 
 from ..model.block import Block, Parameter, Symbols, symbols
-from ..model.curves import NGUYEN2019, CurveSet, per_muscle
 from ..model.dialect import root, sg
 from ..model.skeleton import MASS
-from ..model.symbols import MEASURED
 from .conditions import Condition, above, below
-from .ports import START, estimates, output_errors, start
+from .ports import SENSED, START, estimates, output_errors, start
 
 _PAPER = "paper, §V"
 
@@ -29,13 +27,11 @@ PARAMETERS = {
 _F_PLUS, _P = 1.0, 0.5
 
 
-def sliding_mode(curves: CurveSet = NGUYEN2019) -> Block:
-    """Inputs y1, y2, y3; seven states, which are the estimates."""
+def sliding_mode() -> Block:
+    """Inputs y1, y2, y3, L_S1, L_S2; seven states, which are the estimates."""
     x = symbols("x1_hat x2_hat Delta_hat x3_hat u1_hat x4_hat u2_hat")
-    u = symbols(MEASURED)
-    parameters = {**PARAMETERS, **per_muscle(curves.tendon)}
-    p = symbols(parameters)
-    e1, e3, e4 = output_errors(x, u, p, curves)
+    u, p = symbols(SENSED), symbols(PARAMETERS)
+    e1, e3, e4 = output_errors(x, u)
     # v₁₁ = λ₁₁|e₁|^½ sg(e₁)   [v11]
     v11 = p.lambda11 * root(e1) * sg(e1, p.delta_s)
     # v₁₂ = α₁₁ sg(e₁),  v₂ = α₂ sg(e₃),  v₃ = α₃ sg(e₄)   [v12]–[v3]
@@ -56,7 +52,7 @@ def sliding_mode(curves: CurveSet = NGUYEN2019) -> Block:
         # τ_s û̇₂ = −û₂ + v₃   [SO3b]
         u2_hat=(-x.u2_hat + v3) / p.tau_s,
     )
-    return Block("sliding_mode", x=x, u=u, p=p, parameters=parameters, dx=dx, x0=start(p), y=estimates(x))
+    return Block("sliding_mode", x=x, u=u, p=p, parameters=PARAMETERS, dx=dx, x0=start(p), y=estimates(x))
 
 
 def conditions(p: Symbols, facts: Symbols) -> list[Condition]:

@@ -41,7 +41,7 @@ def dataset(prepared: Prepared, traces: Mapping[str, Trace], library: str) -> xr
         "u": (("time", "muscle"), true(("u1", "u2")), _about("true virtual inputs: minus the fibre velocities")),
         "a": (("time", "muscle"), true(("a1", "a2")), _about("true activations")),
         "Delta": (("time",), signal["Delta"], _about(SIGNALS["Delta"].sentence)),
-        "y": (("time", "sensor"), true(MEASURED), _about("measured position and tendon forces")),
+        "y": (("time", "sensor"), traces[loop.sensors.name].y, _about("measured position and tendon forces")),
         "taut": (("time", "muscle"), true(("taut1", "taut2")), _about("1 while the tendon carries force")),
         "x_hat": (("observer", "time", "state"), hats(STATES), _about("estimated states")),
         "u_hat": (("observer", "time", "muscle"), hats(("u1", "u2")), _about("estimated virtual inputs")),

@@ -7,11 +7,11 @@ import functools
 from ..codegen.batch import CompiledLoop
 from ..codegen.export import Loop
 from ..model.block import Block
-from ..model.closed_loop import NOISE_CHANNELS, closed_loop
+from ..model.closed_loop import closed_loop
 from ..model.curves import NGUYEN2019, CurveSet
 from ..model.pair import DRIVES
 from ..model.pulses import PULSES
-from ..model.symbols import MEASURED
+from ..model.sensors import NOISE_CHANNELS, sensors
 from ..observers import OBSERVERS, baseline_estimator, estimator
 from ..observers.score import score
 from .table import Table, table
@@ -20,12 +20,12 @@ from .table import Table, table
 @functools.lru_cache(maxsize=16)
 def paper_loop(drive: str, curves: CurveSet, custom: tuple[Block, ...] = (), controller: Block | None = None) -> Loop:
     """The closed loop with all registered observers, the baseline and `custom` ones."""
-    own = [baseline_estimator(curves), *(estimator(observer.build(curves), curves) for observer in OBSERVERS.values())]
+    own = [baseline_estimator(curves), *(estimator(observer.build(), curves) for observer in OBSERVERS.values())]
     return Loop(
         truth=closed_loop(drive, curves, controller),
+        sensors=sensors(),
         observers=(*own, *(estimator(block, curves) for block in custom)),
         score=score(),
-        measured=MEASURED,
         noise=NOISE_CHANNELS,
         pulses=PULSES,
     )
@@ -41,4 +41,4 @@ def compile_loop(loop: Loop) -> CompiledLoop:
 def full_table(custom: tuple[Block, ...] = (), curves: CurveSet = NGUYEN2019) -> Table:
     """The table of all paths, whatever drives the plant."""
     loops = [paper_loop(drive, curves, custom) for drive in DRIVES]
-    return table([*(loop.truth for loop in loops), *loops[0].observers, loops[0].score])
+    return table([*(loop.truth for loop in loops), loops[0].sensors, *loops[0].observers, loops[0].score])

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from ..model.symbols import QUANTITIES
-from ..observers.score import CHATTERING
+from ..observers.score import CHATTERING, counted_with
 
 
 @dataclass(frozen=True)
@@ -27,11 +27,12 @@ def measures(score: Mapping[str, float], window_points: int, h: float, end: floa
 
 
 def _measure(name: str, score: Mapping[str, float], window_points: int, h: float, end: float) -> Measure:
-    count, settling = score[f"{name}.count"], score[f"{name}.settling"]
+    whose = counted_with(name)
+    count, settling = score[f"{whose}.count"], score[f"{name}.settling"]
     # RMSE = √(Σ error²/n),  n the points at which the tendon was taut
     rmse = math.sqrt(score[f"{name}.squares"] / count) if count else math.nan
     chattering = math.nan
-    if name in CHATTERING and (pairs := score[f"{name}.pairs"]) > 0:
+    if name in CHATTERING and (pairs := score[f"{whose}.pairs"]) > 0:
         chattering = score[f"{name}.chatter"] / pairs
     return Measure(
         rmse=rmse,

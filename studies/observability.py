@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from ..codegen.library import Array, Library, compile_functions
 from ..codegen.stepper import functions
 from ..model.block import Block, Symbols
-from ..model.closed_loop import NOISE_CHANNELS
 from ..model.curves import CURVES, NGUYEN2019, CurveSet
 from ..model.pair import pair
 from ..model.pulses import PULSES
@@ -182,7 +181,7 @@ def _numbers(block: Block, prepared: Prepared) -> tuple[float, ...]:
 
 def start_point(prepared: Prepared) -> dict[str, float]:
     """The true states and inputs of the scenario at τ = 0."""
-    truth, held = prepared.loop.truth, (*NOISE_CHANNELS, *PULSES)
+    truth, held = prepared.loop.truth, PULSES
     table = functions(truth, held, ())
     p, w = prepared.table.values(truth, prepared.scenario.given), [0.0] * len(held)
     x = table["init"](0, p, w, [])

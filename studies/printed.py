@@ -75,12 +75,12 @@ def backstepping_as_printed(curves: CurveSet = NGUYEN2019) -> Block:
     return Block("controller", u=u, p=p, parameters=parameters, y=Symbols({**limited, "zeta": zeta}), guards=guards)
 
 
-def adaptive_as_printed(curves: CurveSet = NGUYEN2019) -> Block:
+def adaptive_as_printed() -> Block:
     """The adaptive observer; O2…O5 and O8 are 1 for the corrected term, 0 for the printed."""
-    right = adaptive_sliding_mode(curves)
+    right = adaptive_sliding_mode()
     x, u = right.x, right.u
     p = Symbols({**right.p, **symbols(OBSERVER)})
-    e1, e3, e4 = output_errors(x, u, p, curves)
+    e1, e3, e4 = output_errors(x, u)
     L = ca.fmax(p.l0 + x.l_a, p.L_min)
     v1 = p.beta0 * L * sg(e1, p.delta_a)
     v3 = (clamp(x.k_1, 0, p.k_max) + p.eta1) * sg(e3, p.delta_a)

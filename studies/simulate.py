@@ -45,7 +45,7 @@ def simulate_prepared(prepared: Prepared, progress: Progress = lambda done: None
     parameters = {block.name: prepared.table.values(block, prepared.scenario.given) for block in loop.blocks}
     compiled = compile_loop(loop)
     traces = compiled.run(grid, prepared.scenario.seed, parameters, (BASELINE, *prepared.observers), progress)
-    result = dataset(prepared, traces, str(compiled.library.path.stem))
+    result = dataset(prepared, traces, str(compiled.path.stem))
     if truth := traces["truth"].failure:
         warnings.warn(f"the plant failed at τ = {truth.time:g}; what follows is NaN", RunWarning, stacklevel=3)
     return result

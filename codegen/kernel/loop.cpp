@@ -1,172 +1,290 @@
-// One run of the closed loop: the truth, then every observer and its score, grid point by grid point.
+// Many closed loops at once: the truth, then every observer and its score, grid point by grid point.
 
-// A Block at work. All arrays are the caller's.
+enum { N_HELD = N_NOISE + N_PULSES + 2, N_STAGED = N_MEASURED + N_FRONT, N_ROW = 4 * N_SEEN + N_TRUTH };
+
+// A block at work in all lanes. All arrays are the caller's, aligned for V.
 struct Part {
-    int64_t block;               // its row in BLOCKS
-    const double *p;             // parameters
-    double *x, *y, *guards;      // state, outputs, steps that each guard was active
-    double *score;               // state of its score; null for the truth
-    double *record_x, *record_y; // a row per recorded point
-    int64_t failed, cause;       // grid point of the failure or −1; what failed, counted over x, y, domain
+    V *p, *c, *x;                // parameters, what follows from them alone, states; x is null if it does not run
+    V *sums;                     // states of its score; observers only
+    V *guards;                   // steps that each guard was active, or null
+    double *record_x, *record_y; // a row per run and recorded point, or null
+    int64_t *failed, *cause;     // per lane: grid point of the failure or −1; what failed, counted over x, y, domain
+    int64_t front;               // the observer whose front is the same, first of its kind
 };
 
-struct Run {
+// So many runs as fit in the lanes; spare lanes repeat the last one.
+struct Runs {
+    int64_t n;
+    const uint64_t *seeds;
+    Part *parts;  // the truth, the sensors, the observers, the score
+    V *held;      // noise, pulses, window, sample
+};
+
+// Runs on one time grid. If they share the truth, it runs once, in `truth`, and leaves a row per step.
+struct Batch {
     double h;
-    uint64_t seed;
     int64_t k, steps;                     // next grid point; the last one
     int64_t hold, window, record;         // steps per noise sample (0: none), first scored point, steps per record
     const int64_t *pulse_on, *pulse_off;  // in steps
-    const double *p_score;
-    Part *parts;                          // the truth first
-    int64_t n_parts;
-    double *held;                         // noise, pulses, window, sample
+    int64_t n_runs;
+    Runs *runs;
+    Runs *truth;   // or null: each has its own
+    double *rows;  // tile × N_ROW
+    int64_t tile;
 };
 
-static const Block &SCORE = BLOCKS[SCORE_BLOCK];
+// What one step of the truth shows: what sensors see at each stage; its outputs, with room for estimates behind.
+struct Row {
+    V seen[4 * N_SEEN];
+    V y[N_TRUTH + N_ESTIMATES];
+};
 
-static void draw_held(Run &run) {
-    const int64_t k = run.k;
-    const bool sample = run.hold > 0 && k % run.hold == 0;
-    double *held = run.held;
+static const double NODES[] = {0, 0.5, 0.5, 1};
+
+static __attribute__((noinline)) void draw(const Batch &batch, Runs &runs, int64_t k) {
+    const bool sample = batch.hold > 0 && k % batch.hold == 0;
     if (sample)
-        for (int i = 0; i < N_NOISE; ++i) held[i] = noise(run.seed, (uint32_t)i, (uint32_t)(k / run.hold));
-    for (int i = 0; i < N_PULSES; ++i) held[N_NOISE + i] = run.pulse_on[i] <= k && k < run.pulse_off[i];
-    held[N_NOISE + N_PULSES] = k >= run.window;
-    held[N_NOISE + N_PULSES + 1] = sample;
+        for (int i = 0; i < N_NOISE; ++i) noise(runs.seeds, (uint64_t)i, (uint64_t)(k / batch.hold), runs.held + i);
+    for (int i = 0; i < N_PULSES; ++i) runs.held[N_NOISE + i] = batch.pulse_on[i] <= k && k < batch.pulse_off[i];
+    runs.held[N_NOISE + N_PULSES] = k >= batch.window;
+    runs.held[N_NOISE + N_PULSES + 1] = sample;
 }
 
-// The jumps of a block at a grid point.
-static void jump(Evaluate by, const Block &block, const double *t, const double *p, const double *held,
-                 const double *staged, double *x) {
-    if (!by) return;
-    double after[MAX_STATES];
-    const double *arg[] = {t, x, p, held, staged};
-    double *res[] = {after};
-    by(arg, res, 0, 0, 0);
-    memcpy(x, after, (size_t)block.nx * sizeof *x);
+template <int N> INLINE void copy(const V *from, V *to) {
+    for (int i = 0; i < N; ++i) to[i] = from[i];
 }
 
-static bool all_finite(const double *values, int n) {
-    for (int i = 0; i < n; ++i)
-        if (!isfinite(values[i])) return false;
-    return true;
+// not 0 in the lanes where a number is not finite or the domain is left
+template <class B> INLINE V wrong(const V *x, const V *y, const V *domain) {
+    V sum = 0.0;
+    for (int i = 0; i < B::NX; ++i) sum = x[i] * 0.0 + sum;
+    for (int i = 0; i < B::NY; ++i) sum = y[i] * 0.0 + sum;
+    for (int i = 0; i < B::N_DOMAIN; ++i) sum = !(V(0.0) < domain[i]) + sum;
+    return sum;
 }
 
-// Marks the part as failed at grid point k if a number is not finite or the domain is left.
-static void check(Part &part, const double *domain, int64_t k) {
-    const Block &block = BLOCKS[part.block];
-    for (int i = 0; i < block.nx + block.ny + block.n_domain; ++i) {
-        const double value = i < block.nx              ? part.x[i]
-                             : i < block.nx + block.ny ? part.y[i - block.nx]
-                                                       : domain[i - block.nx - block.ny];
-        if (!isfinite(value) || (i >= block.nx + block.ny && value <= 0)) {
-            part.failed = k;
-            part.cause = i;
-            return;
+template <class B>
+static __attribute__((noinline)) void fail(Part &part, const Part &truth, int64_t k, const V *x, const V *y, const V *domain) {
+    for (int l = 0; l < LANES; ++l)
+        for (int i = 0; i < B::NX + B::NY + B::N_DOMAIN; ++i) {
+            if (part.failed[l] >= 0 || truth.failed[l] >= 0) break;  // nothing is known of a truth that is not there
+            const double value = lane(i < B::NX ? x[i] : i < B::NX + B::NY ? y[i - B::NX] : domain[i - B::NX - B::NY], l);
+            if (isfinite(value) && (i < B::NX + B::NY || value > 0)) continue;
+            part.failed[l] = k;
+            part.cause[l] = i;
         }
+}
+
+template <class B>
+static __attribute__((noinline)) void keep(const Batch &batch, const Runs &runs, Part &part, int64_t k, const V *y) {
+    const int64_t points = batch.steps / batch.record + 1, row = k / batch.record;
+    for (int64_t l = 0; l < runs.n; ++l) {
+        if (part.failed[l] >= 0 || runs.parts[0].failed[l] >= 0) continue;
+        for (int i = 0; i < B::NX; ++i) part.record_x[(l * points + row) * B::NX + i] = lane(part.x[i], (int)l);
+        for (int i = 0; i < B::NY; ++i) part.record_y[(l * points + row) * B::NY + i] = lane(y[i], (int)l);
     }
 }
 
-// Jumps, outputs, guards, record of one part at grid point k; `staged` are its inputs there.
-static void visit(Run &run, Part &part, const double *t, const double *staged) {
-    const Block &block = BLOCKS[part.block];
-    if (run.held[N_NOISE + N_PULSES + 1] != 0) jump(block.sample, block, t, part.p, run.held, staged, part.x);
-    jump(block.each, block, t, part.p, run.held, staged, part.x);
-    double active[MAX_GUARDS], domain[MAX_GUARDS];
-    const double *arg[] = {t, part.x, part.p, run.held, staged};
-    double *res[] = {part.y, active, domain};
-    block.out(arg, res, 0, 0, 0);
-    check(part, domain, run.k);
-    if (part.failed >= 0) return;
-    if (run.k < run.steps)
-        for (int i = 0; i < block.n_guards; ++i) part.guards[i] += active[i];
-    if (run.k % run.record == 0) {
-        const int64_t row = run.k / run.record;
-        memcpy(part.record_x + row * block.nx, part.x, (size_t)block.nx * sizeof *part.x);
-        memcpy(part.record_y + row * block.ny, part.y, (size_t)block.ny * sizeof *part.y);
-    }
+template <class B>
+static __attribute__((noinline)) void watch(Part &part, const Part &truth, const V *t, const V *held, const V *staged) {
+    V active[B::N_GUARDS + 1];
+    B::watch(t, part.c, part.x, held, staged, active);
+    for (int l = 0; l < LANES; ++l)
+        for (int i = 0; i < B::N_GUARDS && part.failed[l] < 0 && truth.failed[l] < 0; ++i)
+            set_lane(part.guards[i], l, lane(part.guards[i], l) + lane(active[i], l));
 }
 
-static void visit_all(Run &run) {
-    draw_held(run);
-    const double t = (double)run.k * run.h;
-    Part &truth = run.parts[0];
-    visit(run, truth, &t, 0);
-    if (truth.failed >= 0) return;
-    const int n_truth = BLOCKS[truth.block].ny;
-    double measured[N_STAGED], scored[MAX_SCORED];
-    for (int i = 0; i < N_STAGED; ++i) measured[i] = truth.y[STAGED[i]];
-    memcpy(scored, truth.y, (size_t)n_truth * sizeof *scored);
-    for (int64_t i = 1; i < run.n_parts; ++i) {
-        Part &part = run.parts[i];
-        if (part.failed >= 0) continue;
-        visit(run, part, &t, measured);
-        if (part.failed >= 0) continue;
-        memcpy(scored + n_truth, part.y, (size_t)BLOCKS[part.block].ny * sizeof *scored);
-        jump(SCORE.each, SCORE, &t, run.p_score, run.held, scored, part.score);
-    }
-}
-
-static void step(Run &run, Part &part, const double *staged, double *stages) {
-    const Block &block = BLOCKS[part.block];
-    const double t = (double)run.k * run.h;
-    double after[MAX_STATES];
-    const double *arg[] = {&t, &run.h, part.x, part.p, run.held, staged};
-    double *res[] = {after, stages};
-    block.step(arg, res, 0, 0, 0);
-    memcpy(part.x, after, (size_t)block.nx * sizeof *after);
-    if (!all_finite(part.x, block.nx)) {
-        part.failed = run.k + 1;
-        for (part.cause = 0; isfinite(part.x[part.cause]);) ++part.cause;
-    }
-}
-
-HILLOBS_EXPORT void hillobs_start(Run *run) {
-    const double t = 0;
-    double measured[N_STAGED] = {0};
-    run->k = 0;
-    draw_held(*run);
-    for (int64_t i = 0; i < run->n_parts; ++i) {
-        Part &part = run->parts[i];
-        const Block &block = BLOCKS[part.block];
-        const double *arg[] = {&t, part.p, run->held, measured};
-        double *res[] = {part.x};
-        block.init(arg, res, 0, 0, 0);
-        part.failed = -1;
-        if (i > 0) continue;
-        double active[MAX_GUARDS], domain[MAX_GUARDS];
-        const double *at[] = {&t, part.x, part.p, run->held, 0};
-        double *out[] = {part.y, active, domain};
-        block.out(at, out, 0, 0, 0);
-        for (int j = 0; j < N_STAGED; ++j) measured[j] = part.y[STAGED[j]];
-    }
-}
-
-// Grid points up to, not including, `until`; the run is over at steps + 1.
-HILLOBS_EXPORT void hillobs_advance(Run *run, int64_t until) {
-    for (; run->k < until && run->k <= run->steps; ++run->k) {
-        visit_all(*run);
-        double stages[4 * N_STAGED];
-        Part &truth = run->parts[0];
-        if (truth.failed < 0 && run->k < run->steps) {
-            step(*run, truth, 0, stages);
-            for (int64_t i = 1; i < run->n_parts; ++i)
-                if (run->parts[i].failed < 0) step(*run, run->parts[i], stages, 0);
+// Jumps, outputs, checks and records at grid point k.
+template <class B>
+INLINE void visit(const Batch &batch, Runs &runs, Part &part, int64_t k, const V *t, const V *staged, V *y) {
+    V after[B::NX + 1], domain[B::N_DOMAIN + 1];
+    if constexpr (B::HAS_SAMPLE)
+        if (batch.hold > 0 && k % batch.hold == 0) {
+            B::sample(t, part.c, part.x, runs.held, staged, after);
+            copy<B::NX>(after, part.x);
         }
-        if (truth.failed >= 0) {
-            run->k = run->steps;  // nothing can be known about a truth that is not there
-        }
+    if constexpr (B::HAS_EACH) {
+        B::each(t, part.c, part.x, runs.held, staged, after);
+        copy<B::NX>(after, part.x);
+    }
+    B::out(t, part.c, part.x, runs.held, staged, y, domain);
+    if (any(wrong<B>(part.x, y, domain))) fail<B>(part, runs.parts[0], k, part.x, y, domain);
+    if (part.record_x && k % batch.record == 0) keep<B>(batch, runs, part, k, y);
+    if (part.guards && k < batch.steps) watch<B>(part, runs.parts[0], t, runs.held, staged);
+}
+
+// one function for both kinds of batches, so that sharing the truth changes no bit of it
+static __attribute__((noinline)) void advance_truth(const Batch &batch, Runs &runs, int64_t k, Row &row) {
+    Part &part = runs.parts[0];
+    const V t = (double)k * batch.h;
+    visit<Truth>(batch, runs, part, k, &t, 0, row.y);
+    V after[Truth::NX + 1];
+    Truth::step(&t, part.c, part.x, runs.held, 0, after, row.seen);
+    if (k < batch.steps) copy<Truth::NX>(after, part.x);
+}
+
+static void spread(const double *values, Row &row) {
+    for (int i = 0; i < 4 * N_SEEN; ++i) row.seen[i] = values[i];
+    for (int i = 0; i < N_TRUTH; ++i) row.y[i] = values[4 * N_SEEN + i];
+}
+
+static void collect(const Row &row, double *values) {
+    for (int i = 0; i < 4 * N_SEEN; ++i) values[i] = lane(row.seen[i], 0);
+    for (int i = 0; i < N_TRUTH; ++i) values[4 * N_SEEN + i] = lane(row.y[i], 0);
+}
+
+// What the sensors show at the four stages of a step.
+static __attribute__((noinline)) void measure(const Batch &batch, Runs &runs, int64_t k, const Row &row, V *measured) {
+    Part &part = runs.parts[1];
+    V nothing[Sensors::N_DOMAIN + 1];
+    for (int i = 0; i < 4; ++i) {
+        const V t = ((double)k + NODES[i]) * batch.h;
+        Sensors::out(&t, part.c, 0, runs.held, row.seen + i * N_SEEN, measured + i * N_STAGED, nothing);
+    }
+    if (part.record_x && k % batch.record == 0) keep<Sensors>(batch, runs, part, k, measured);
+}
+
+template <class B>
+static __attribute__((noinline)) void evaluate_front(const Batch &batch, Runs &runs, Part &part, int64_t k, V *staged) {
+    V front[N_FRONT + 1];
+    for (int i = 0; i < 4; ++i) {
+        const V t = ((double)k + NODES[i]) * batch.h;
+        B::front(&t, part.c, part.x, runs.held, staged + i * N_STAGED, front);
+        copy<N_FRONT>(front, staged + i * N_STAGED + N_MEASURED);
     }
 }
 
-// Sizes as compiled, so that the caller can compare them with what it believes.
+template <class S>
+INLINE void account(const Batch &batch, Runs &runs, Part &part, int64_t k, const V *t, const V *scored) {
+    const V *c = runs.parts[2 + N_OBSERVERS].c;
+    V sums[S::NX];
+    if constexpr (S::HAS_SAMPLE)
+        if (batch.hold > 0 && k % batch.hold == 0) {
+            S::sample(t, c, part.sums, runs.held, scored, sums);
+            copy<S::NX>(sums, part.sums);
+        }
+    S::each(t, c, part.sums, runs.held, scored, sums);
+    copy<S::NX>(sums, part.sums);
+}
+
+template <class B>
+INLINE void observe(const Batch &batch, Runs &runs, int64_t i, int64_t k, Row &row, V (*fronts)[4 * N_STAGED], const V *measured) {
+    Part &part = runs.parts[2 + i];
+    if (!part.x) return;
+    if (part.front == i) {
+        copy<4 * N_STAGED>(measured, fronts[i]);
+        if constexpr (B::HAS_FRONT) evaluate_front<B>(batch, runs, part, k, fronts[i]);
+    }
+    const V *staged = fronts[part.front], t = (double)k * batch.h;
+    visit<B>(batch, runs, part, k, &t, staged, row.y + N_TRUTH);
+    account<Score>(batch, runs, part, k, &t, row.y);
+    if (k == batch.steps) return;
+    V after[B::NX + 1];
+    B::step(&t, part.c, part.x, runs.held, staged, after, 0);
+    copy<B::NX>(after, part.x);
+}
+
+INLINE void observe_all(List<>, const Batch &, Runs &, int64_t, int64_t, Row &, V (*)[4 * N_STAGED], const V *) {}
+
+template <class B, class... Rest>
+INLINE void observe_all(List<B, Rest...>, const Batch &batch, Runs &runs, int64_t i, int64_t k, Row &row,
+                        V (*fronts)[4 * N_STAGED], const V *measured) {
+    observe<B>(batch, runs, i, k, row, fronts, measured);
+    observe_all(List<Rest...>(), batch, runs, i + 1, k, row, fronts, measured);
+}
+
+static void advance(const Batch &batch, Runs &runs, int64_t from, int64_t until) {
+    Row row;
+    V measured[4 * N_STAGED], fronts[N_OBSERVERS][4 * N_STAGED];
+    for (int64_t k = from; k < until; ++k) {
+        draw(batch, runs, k);
+        if (batch.truth)
+            spread(batch.rows + (k - from) * N_ROW, row);
+        else
+            advance_truth(batch, runs, k, row);
+        measure(batch, runs, k, row, measured);
+        observe_all(Observers(), batch, runs, 0, k, row, fronts, measured);
+    }
+}
+
+template <class B> static void begin(const Batch &batch, Runs &runs, Part &part, const V *staged) {
+    const V t = 0.0, h = batch.h;
+    B::constants(&h, part.p, part.c);
+    if (!part.x) return;
+    B::init(&t, part.p, runs.held, staged, part.x);
+    for (int l = 0; l < LANES; ++l) part.failed[l] = -1;
+}
+
+static void begin_all(List<>, const Batch &, Runs &, int64_t, const V *) {}
+
+template <class B, class... Rest>
+static void begin_all(List<B, Rest...>, const Batch &batch, Runs &runs, int64_t i, const V *measured) {
+    Part &part = runs.parts[2 + i];
+    if (part.x) {
+        V staged[4 * N_STAGED];
+        copy<4 * N_STAGED>(measured, staged);
+        const V h = batch.h;
+        B::constants(&h, part.p, part.c);
+        if constexpr (B::HAS_FRONT) evaluate_front<B>(batch, runs, part, 0, staged);
+        begin<B>(batch, runs, part, staged);
+    }
+    begin_all(List<Rest...>(), batch, runs, i + 1, measured);
+}
+
+HILLOBS_EXPORT void hillobs_start(Batch *batch) {
+    Row row;
+    V measured[4 * N_STAGED], domain[Truth::N_DOMAIN + 1], after[Truth::NX + 1];
+    const V t = 0.0, h = batch->h;
+    batch->k = 0;
+    for (int64_t i = batch->truth ? -1 : 0; i < batch->n_runs; ++i) {
+        Runs &runs = i < 0 ? *batch->truth : batch->runs[i], &owner = batch->truth ? *batch->truth : runs;
+        Part &truth = owner.parts[0];
+        draw(*batch, runs, 0);
+        if (&runs == &owner) begin<Truth>(*batch, runs, truth, 0);
+        Truth::out(&t, truth.c, truth.x, runs.held, 0, row.y, domain);
+        Truth::step(&t, truth.c, truth.x, runs.held, 0, after, row.seen);
+        if (i < 0) continue;
+        Sensors::constants(&h, runs.parts[1].p, runs.parts[1].c);
+        Score::constants(&h, runs.parts[2 + N_OBSERVERS].p, runs.parts[2 + N_OBSERVERS].c);
+        measure(*batch, runs, 0, row, measured);
+        begin_all(Observers(), *batch, runs, 0, measured);
+    }
+}
+
+// Grid points up to, not including, `until`; a run is over at steps + 1.
+HILLOBS_EXPORT void hillobs_advance(Batch *batch, int64_t until) {
+    if (until > batch->steps + 1) until = batch->steps + 1;
+    while (batch->k < until) {
+        const int64_t from = batch->k, to = until < from + batch->tile ? until : from + batch->tile;
+        if (batch->truth) {
+            Row row;
+            for (int64_t k = from; k < to; ++k) {
+                draw(*batch, *batch->truth, k);
+                advance_truth(*batch, *batch->truth, k, row);
+                collect(row, batch->rows + (k - from) * N_ROW);
+            }
+        }
+        for (int64_t i = 0; i < batch->n_runs; ++i) advance(*batch, batch->runs[i], from, to);
+        batch->k = to;
+    }
+}
+
+// Lanes, and sizes as compiled, so that the caller can compare them with what it believes.
+template <class B> static int64_t *sizes_of(int64_t *sizes) {
+    const int64_t own[] = {B::NX, B::NP, B::NC, B::NY, B::N_GUARDS, B::N_DOMAIN};
+    for (int64_t size : own) *sizes++ = size;
+    return sizes;
+}
+
+template <class... Blocks> static void sizes_of_all(List<Blocks...>, int64_t *sizes) {
+    int64_t *ends[] = {(sizes = sizes_of<Blocks>(sizes))...};
+    sizes_of<Score>(ends[N_OBSERVERS - 1]);
+}
+
 HILLOBS_EXPORT void hillobs_sizes(int64_t *sizes) {
-    *sizes++ = (int64_t)sizeof(Run);
-    *sizes++ = (int64_t)sizeof(Part);
-    for (const Block &block : BLOCKS) {
-        *sizes++ = block.nx;
-        *sizes++ = block.ny;
-        *sizes++ = block.n_guards;
-        *sizes++ = block.n_domain;
-    }
+    const int64_t own[] = {LANES, N_ROW, (int64_t)sizeof(Batch), (int64_t)sizeof(Runs), (int64_t)sizeof(Part)};
+    for (int64_t size : own) *sizes++ = size;
+    sizes = sizes_of<Truth>(sizes);
+    sizes = sizes_of<Sensors>(sizes);
+    sizes_of_all(Observers(), sizes);
 }
