@@ -6,34 +6,52 @@ from collections.abc import Mapping
 
 import casadi as ca
 
-# roles that keep the parameters: they run once
-_ONCE = ("init",)
+from .lowering import lowered
+
+# the role that keeps the parameters: it runs once
+_ONCE = "init"
 
 
 def hoisted(name: str, table: Mapping[str, ca.Function]) -> dict[str, ca.Function]:
-    """The functions of a block (roles of `stepper`) with constants `c` in the place of p and h, and
-    `constants(h, p)` → c, which holds what they need of p, h and what follows from them.
+    """The functions of a block (roles of `stepper`) with constants `c` in the place of p and h.
+
+    One more, `constants(h, p)` → c, holds what they need of p, h and what follows from them.
     """
-    moving = {role: f for role, f in table.items() if role not in _ONCE}
-    h, p = ca.SX.sym("h"), ca.SX.sym("p", table["init"].numel_in("p"))
-    arguments, results = {}, {}
+    moving = {role: f for role, f in table.items() if role != _ONCE}
+    h, p = ca.SX.sym("h"), ca.SX.sym("p", table[_ONCE].numel_in("p"))
+    arguments: dict[str, dict[str, ca.SX]] = {}
+    results: list[ca.SX] = []
     for role, f in moving.items():
         own = {"h": h, "p": p}
-        inputs = [own.get(n) if n in own else ca.SX.sym(n, *f.size_in(n)) for n in f.name_in()]
-        arguments[role] = {n: s for n, s in zip(f.name_in(), inputs, strict=True) if n not in own}
-        results[role] = f.call(inputs)
-    every = ca.cse([e for outputs in results.values() for e in outputs])
-    reduced, symbols, constants = ca.extract_parametric(every, ca.vertcat(h, p), {"extract_trivial": True})
+        inputs = {n: own.get(n, ca.SX.sym(n, *f.size_in(n))) for n in f.name_in()}
+        arguments[role] = {n: symbol for n, symbol in inputs.items() if n not in own}
+        results += f.call(list(inputs.values()))
+    reduced, symbols, values = _extracted(ca.cse(results), ca.vertcat(h, p))
     c = ca.SX.sym("c", len(symbols))
     reduced = ca.substitute(reduced, [ca.vertcat(*symbols)], [c]) if symbols else reduced
-    done = {role: f for role, f in table.items() if role in _ONCE}
-    done["constants"] = ca.Function(
-        f"{name}_constants", [h, p], [ca.densify(ca.vertcat(*constants))], ["h", "p"], ["c"]
-    )
+    constants = ca.cse(ca.densify(ca.vertcat(*values)))
+    done = {
+        _ONCE: table[_ONCE],
+        "constants": ca.Function(f"{name}_constants", [h, p], [constants], ["h", "p"], ["c"]),
+    }
     for role, f in moving.items():
         outputs, reduced = reduced[: f.n_out()], reduced[f.n_out() :]
-        inputs = list(arguments[role])
-        done[role] = ca.Function(
-            f"{name}_{role}", [*arguments[role].values(), c], ca.cse(outputs), [*inputs, "c"], f.name_out()
-        )
+        inputs = {**arguments[role], "c": c}
+        done[role] = ca.Function(f"{name}_{role}", [*inputs.values()], ca.cse(outputs), [*inputs], f.name_out())
     return done
+
+
+def _extracted(expressions: list[ca.SX], parameters: ca.SX) -> tuple[list[ca.SX], list[ca.SX], list[ca.SX]]:
+    """The expressions without the parameters, the constants in them, and what these are in terms of the parameters."""
+    reduced, symbols, values = ca.extract_parametric(expressions, parameters, {"extract_trivial": True})
+    inverses = [ca.SX.sym("inverse") for _ in symbols]
+    reciprocals = {symbol.element_hash(): inverse for symbol, inverse in zip(symbols, inverses, strict=True)}
+    reduced = lowered(reduced, _free(reduced), reciprocals)
+    used = {symbol.element_hash() for symbol in _free(reduced)}
+    both = [*zip(symbols, values, strict=True), *((r, 1 / v) for r, v in zip(inverses, values, strict=True))]
+    kept = [pair for pair in both if pair[0].element_hash() in used]
+    return reduced, [symbol for symbol, _ in kept], [value for _, value in kept]
+
+
+def _free(expressions: list[ca.SX]) -> list[ca.SX]:
+    return ca.symvar(ca.vertcat(*(ca.vec(expression) for expression in expressions)))

@@ -10,14 +10,13 @@ import casadi as ca
 
 from ..model.block import Block, BlockError
 from .constants import hoisted
-from .stepper import functions
+from .stepper import STAGES, functions
 
 _KERNEL = "hillobs.codegen.kernel"
 # what a block of the loop can do: arguments and results of each role, in the order of the kernel's calls
 _ROLES = {
     "constants": (("h", "p"), ("c",)),
     "init": (("t", "p", "held", "staged"), ("x_next",)),
-    "front": (("t", "c", "x", "held", "staged"), ("front",)),
     "step": (("t", "c", "x", "held", "staged"), ("x_next", "stages")),
     "sample": (("t", "c", "x", "held", "staged"), ("x_next",)),
     "each": (("t", "c", "x", "held", "staged"), ("x_next",)),
@@ -36,10 +35,17 @@ class Source:
 
 @dataclass(frozen=True, eq=False)  # one is itself: symbols have no equality
 class Loop:
-    """A closed loop to export: the truth, the sensors that look at it, the observers, and the score of each."""
+    """A closed loop to export: the truth, the sensors that look at it, the observers, and the score of each.
+
+    What observers compute from the measurements alone is the `front`, without states; observers with the same numbers
+    for it share its values. Its parameters are theirs of the same names. `near`, if given, is the front at all stages
+    of a step at once (`y2.0`, … in, `L_S1.0`, … and `doubt` out), for less; where it doubts, the front is taken.
+    """
 
     truth: Block
     sensors: Block  # no states; inputs are outputs of the truth and noise
+    front: Block
+    near: Block | None
     observers: tuple[Block, ...]
     score: Block
     noise: tuple[str, ...]  # held inputs that the kernel draws, in (−1, 1]
@@ -57,17 +63,17 @@ class Loop:
         return tuple(port for port in self.sensors.u if port not in self.held)
 
     @property
-    def fronts(self) -> tuple[str, ...]:
-        """What observers compute from the measurements alone."""
-        return tuple(dict.fromkeys(name for observer in self.observers for name in observer.front))
-
-    @property
     def blocks(self) -> tuple[Block, ...]:
-        """The parts of the loop in the kernel's order."""
+        """What has parameters of its own, in the kernel's order."""
         return (self.truth, self.sensors, *self.observers, self.score)
 
+    @property
+    def exported(self) -> tuple[Block, ...]:
+        """All Blocks that become C."""
+        return (*self.blocks, self.front, *([self.near] if self.near else []))
+
     def __post_init__(self) -> None:
-        names = [block.name for block in self.blocks]
+        names = [block.name for block in self.exported]
         if double := {name for name in names if names.count(name) > 1}:
             raise BlockError(f"two blocks of the loop are called {', '.join(sorted(double))}")
         outputs = list(self.observers[0].y)
@@ -75,11 +81,16 @@ class Loop:
             raise BlockError(f"{odd[0]}: its outputs must be {', '.join(outputs)}")
 
     def functions(self, block: Block) -> dict[str, ca.Function]:
-        """The roles of one of `blocks`, with its parameters as an argument."""
+        """The roles of one Block of the loop, with its parameters as an argument."""
         measured = tuple(self.sensors.y)
-        staged = {self.truth.name: (), self.sensors.name: self.seen}.get(block.name, (*measured, *self.fronts))
-        if block is self.score:
-            staged = (*self.truth.y, *self.observers[0].y)
+        staged = {
+            self.truth.name: (),
+            self.sensors.name: self.seen,
+            self.front.name: measured,
+            self.score.name: (*self.truth.y, *self.observers[0].y),
+        }.get(block.name, (*measured, *self.front.y))
+        if block is self.near:
+            staged = tuple(f"{name}.{i}" for i in range(STAGES) for name in (*measured, *self.front.y))
         return functions(block, self.held, staged, self.seen if block is self.truth else ())
 
 
@@ -96,15 +107,16 @@ def export_functions(every: Sequence[ca.Function]) -> Source:
 
 def export_loop(loop: Loop) -> Source:
     """A library that runs the loop for any parameters, initial values, seeds, durations and choice of observers."""
-    tables = {block.name: hoisted(block.name, loop.functions(block)) for block in loop.blocks}
+    tables = {block.name: hoisted(block.name, loop.functions(block)) for block in loop.exported}
     every = [function for table in tables.values() for function in table.values()]
-    parts = [_part(block, tables[block.name]) for block in loop.blocks]
+    parts = [_part(block, tables[block.name]) for block in loop.exported]
     sizes = {
         "N_NOISE": len(loop.noise),
         "N_PULSES": len(loop.pulses),
         "N_SEEN": len(loop.seen),
         "N_MEASURED": len(loop.sensors.y),
-        "N_FRONT": len(loop.fronts),
+        "N_FRONT": len(loop.front.y),
+        "HAS_NEAR": int(loop.near is not None),
         "N_TRUTH": len(loop.truth.y),
         "N_ESTIMATES": len(loop.observers[0].y),
         "N_OBSERVERS": len(loop.observers),
@@ -113,15 +125,21 @@ def export_loop(loop: Loop) -> Source:
         "Truth": loop.truth.name,
         "Sensors": loop.sensors.name,
         "Score": loop.score.name,
+        "Front": loop.front.name,
+        "Near": (loop.near or loop.front).name,
     }
     aliases = [f"typedef Part_{name} {alias};" for alias, name in names.items()]
-    aliases.append(f"typedef List<{', '.join(f'Part_{observer.name}' for observer in loop.observers)}> Observers;")
+    lists = {"Observers": loop.observers, "Everything": loop.exported}
+    aliases += [
+        f"typedef List<{', '.join(f'Part_{block.name}' for block in blocks)}> {alias};"
+        for alias, blocks in lists.items()
+    ]
     inline = "static inline __attribute__((always_inline))"
     text = [*_lanes(), _casadi(inline, every), _kernel("philox.hpp"), *parts, _enumeration(sizes)]
     text += ["template <class... Blocks> struct List {};", *aliases, _kernel("loop.cpp")]
     description = {
         "held": list(loop.held),
-        "blocks": [_describe(block, tables[block.name]) for block in loop.blocks],
+        "blocks": [_describe(block, tables[block.name]) for block in loop.exported],
     }
     return Source("\n".join(text), description)
 
@@ -148,7 +166,7 @@ def _part(block: Block, table: Mapping[str, ca.Function]) -> str:
         "NY": len(block.y),
         "N_GUARDS": len(block.guards),
         "N_DOMAIN": len(block.domain),
-        **{f"HAS_{role.upper()}": int(role in table) for role in ("front", "sample", "each")},
+        **{f"HAS_{role.upper()}": int(role in table) for role in ("sample", "each")},
     }
     roles = [_role(role, table[role]) for role in _ROLES if role in table]
     return f"struct Part_{block.name} {{\n    {_enumeration(sizes)}{''.join(roles)}}};\n"
@@ -159,9 +177,14 @@ def _role(role: str, function: ca.Function) -> str:
     arguments = ", ".join([*(f"const V *{name}" for name in names_in), *(f"V *{name}" for name in names_out)])
     given = ", ".join(function.name_in())
     wanted = ", ".join(function.name_out())
-    unused = "".join(f" (void){name};" for name in (*names_in, *names_out))
+    sizes = {
+        **{name: function.numel_in(i) for i, name in enumerate(function.name_in())},
+        **{name: function.numel_out(i) for i, name in enumerate(function.name_out())},
+    }
+    # what a compiler knows of the pointers spares CasADi's question whether they are null
+    known = "".join(f" {'given' if sizes.get(name) else 'unused'}({name});" for name in (*names_in, *names_out))
     return (
-        f"    INLINE void {role}({arguments}) {{\n       {unused}\n"
+        f"    INLINE void {role}({arguments}) {{\n       {known}\n"
         f"        const V *arg[] = {{{given}}};\n        V *res[] = {{{wanted}}};\n"
         f"        {function.name()}(arg, res, 0, 0, 0);\n    }}\n"
     )

@@ -45,8 +45,8 @@ def load(source: Source, baseline: str = NATIVE) -> tuple[Path, ctypes.CDLL]:
 class Library:
     """Compiled functions, by name."""
 
-    def __init__(self, functions: Sequence[ca.Function]) -> None:
-        self.path, self.dll = load(export_functions(functions))
+    def __init__(self, functions: Sequence[ca.Function], baseline: str = NATIVE) -> None:
+        self.path, self.dll = load(export_functions(functions), baseline)
         self.dll.hillobs_call.argtypes = (ctypes.c_int64, ctypes.c_int64, _DOUBLES, _DOUBLES)
         self.dll.hillobs_call.restype = ctypes.c_int
         self._functions: Mapping[str, tuple[int, ca.Function]] = {
@@ -74,9 +74,9 @@ class Library:
         return np.split(results, np.cumsum(widths)[:-1], axis=1)
 
 
-def compile_functions(functions: Sequence[ca.Function]) -> Library:
-    """The functions as compiled C."""
-    return Library(functions)
+def compile_functions(functions: Sequence[ca.Function], baseline: str = NATIVE) -> Library:
+    """The functions as compiled C, for the processors of `baseline`."""
+    return Library(functions, baseline)
 
 
 def _explain(path: Path, words: str) -> str:

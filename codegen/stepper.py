@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import casadi as ca
 
 from ..model.block import Block, BlockError, Symbols
 
 # Functions of a Block, in the order of the C table
-ROLES = ("init", "front", "step", "sample", "each", "out", "watch")
+ROLES = ("init", "step", "sample", "each", "out", "watch")
 
 # RK4: where each stage is taken and what it weighs
 _NODES = (0.0, 0.5, 0.5, 1.0)
 _WEIGHTS = (1 / 6, 1 / 3, 1 / 3, 1 / 6)
+STAGES = len(_NODES)
 
 
 def functions(
@@ -21,19 +22,17 @@ def functions(
 ) -> dict[str, ca.Function]:
     """The functions of `block` by role, all over the same inputs.
 
-    held, staged: names of the external inputs in array order; `block` takes what it knows by name. What it computes
-    in its `front` is an input if `staged` names it, else part of every expression.
+    held, staged: names of the external inputs in array order; `block` takes what it knows by name.
     stage_outputs: outputs that `step` also returns at each of its four stages.
 
         init  (t, p, held, staged)                 → x
-        front (t, x, p, held, staged)              → front, if it has one
         step  (t, h, x, p, held, staged (n × 4))   → x, stage outputs (n × 4)
         sample(t, x, p, held, staged)              → x, if states move by `next`
         each  (t, x, p, held, staged)              → x, if states move by `per_step`
         out   (t, x, p, held, staged)              → y, domain
         watch (t, x, p, held, staged)              → guards
     """
-    known = {"t", *held, *staged, *block.front}
+    known = {"t", *held, *staged}
     if unknown := [port for port in block.u if port not in known]:
         raise BlockError(f"{block.name}: no one provides the inputs {', '.join(unknown)}; there are {sorted(known)}")
     t, h, x, p = ca.SX.sym("t"), ca.SX.sym("h"), _column("x", block.x), _column("p", block.p)
@@ -44,22 +43,13 @@ def functions(
         **dict(zip(staged, ca.vertsplit(v), strict=True)),
     }
 
-    own = [*block.x.values(), *block.p.values()]
-    columns = [*ca.vertsplit(x), *ca.vertsplit(p)]
-    outer = {port: values[port] for port in block.u if port in values}
-
-    def replaced(entries: Symbols, ports: Mapping[str, ca.SX]) -> ca.SX:
-        """The expressions in terms of the columns x, p and of `ports`."""
-        old, new = [*own, *(block.u[port] for port in ports)], [*columns, *ports.values()]
-        expressions = entries.vector()
-        return ca.densify(ca.substitute(expressions, ca.vertcat(*old), ca.vertcat(*new))) if old else expressions
-
-    front = replaced(block.front, outer)
-    inner = {name: front[i] for i, name in enumerate(block.front) if name not in outer}
-
     def at(entries: Symbols) -> ca.SX:
         """The expressions in terms of the columns x, p, held, staged and t."""
-        return replaced(entries, {**inner, **outer})
+        old = [*block.x.values(), *block.p.values(), *block.u.values()]
+        new = [*ca.vertsplit(x), *ca.vertsplit(p), *(values[port] for port in block.u)]
+        return (
+            ca.densify(ca.substitute(entries.vector(), ca.vertcat(*old), ca.vertcat(*new))) if old else entries.vector()
+        )
 
     def moved(by: Symbols) -> ca.SX:
         """The state after the jump `by`, other states as they are."""
@@ -76,8 +66,6 @@ def functions(
         "out": _function(block, "out", point, [at(block.y), at(block.domain)], names, ["y", "domain"]),
         "watch": _function(block, "watch", point, [at(block.guards)], names, ["guards"]),
     }
-    if block.front:
-        result["front"] = _function(block, "front", point, [front], names, ["front"])
     for role, jump in (("sample", block.next), ("each", block.per_step)):
         if jump:
             result[role] = _function(block, role, point, [moved(jump)], names, ["x_next"])
@@ -88,7 +76,7 @@ def _step(
     block: Block, rhs: ca.Function, t: ca.SX, h: ca.SX, x: ca.SX, p: ca.SX, w: ca.SX, held: Sequence[bool]
 ) -> ca.Function:
     """One RK4 step; a staged input that the block holds keeps the value of the first stage."""
-    stages = ca.SX.sym("staged", len(held), 4)
+    stages = ca.SX.sym("staged", len(held), STAGES)
     k, after, outputs = ca.SX(0), x, []
     for i, (node, weight) in enumerate(zip(_NODES, _WEIGHTS, strict=True)):
         # kᵢ = f(t + cᵢh, x + cᵢh kᵢ₋₁),  x⁺ = x + h Σ bᵢkᵢ

@@ -30,6 +30,10 @@ class Symbols(dict[str, ca.SX]):
             {key.removeprefix(f"{name}."): value for key, value in self.items() if key.startswith(f"{name}.")}
         )
 
+    def only(self, names: Iterable[str]) -> Symbols:
+        """The entries named, in this order."""
+        return Symbols({name: self[name] for name in names})
+
     def vector(self) -> ca.SX:
         """All entries as one column, in order (0 × 1 if there are none)."""
         return ca.vertcat(*self.values()) if self else ca.SX(0, 1)
@@ -84,8 +88,7 @@ class Block:
     (at each grid point of the integrator, after `next`); it starts at `x0`, an expression in p and the
     inputs at t = 0, or at 0. The input `t` is time, the inputs in `held` are constant over a step, all
     others are evaluated at each stage. `guards` are 1 while a limit is active, else 0; an expression in
-    `domain` must stay positive. An input in `front` is computed from the other inputs and p alone: blocks whose
-    fronts agree share one evaluation.
+    `domain` must stay positive.
     """
 
     name: str
@@ -101,13 +104,12 @@ class Block:
     held: frozenset[str] = frozenset()
     guards: Symbols = field(default_factory=Symbols)
     domain: Symbols = field(default_factory=Symbols)
-    front: Symbols = field(default_factory=Symbols)
     parts: tuple[Block, ...] = ()
 
     def __post_init__(self) -> None:
         if not _NAME.fullmatch(self.name):
             raise BlockError(f"{self.name!r} is no name for a block: letters, digits, single _ between, at most 40")
-        for group in ("x", "u", "p", "y", "dx", "next", "per_step", "x0", "guards", "domain", "front"):
+        for group in ("x", "u", "p", "y", "dx", "next", "per_step", "x0", "guards", "domain"):
             object.__setattr__(self, group, _scalars(self.name, group, getattr(self, group)))
         moves = [*self.dx, *self.next, *self.per_step]
         if sorted(moves) != sorted(self.x):
@@ -122,15 +124,14 @@ class Block:
         for name, parameter in self.parameters.items():
             if objection := parameter.objection(parameter.default):
                 raise BlockError(f"{self.name}: the default of {name} must be {objection}, not {parameter.default:g}")
-        for what, names, valid in (("x0", self.x0, self.x), ("held", self.held, self.u), ("front", self.front, self.u)):
+        for what, names, valid in (("x0", self.x0, self.x), ("held", self.held, self.u)):
             if unknown := [name for name in names if name not in valid]:
                 raise BlockError(f"{self.name}: {what} names {', '.join(unknown)}; valid are {', '.join(valid)}")
         self._check_free_symbols()
 
     def _check_free_symbols(self) -> None:
         inputs = [*self.u.values(), *self.p.values()]
-        outer = [*self.p.values(), *(symbol for name, symbol in self.u.items() if name not in self.front)]
-        for group, known in (("front", outer), ("x0", inputs), *((g, [*self.x.values(), *inputs]) for g in _EXPRESSIONS)):
+        for group, known in (("x0", inputs), *((g, [*self.x.values(), *inputs]) for g in _EXPRESSIONS)):
             allowed = {symbol.element_hash() for symbol in known}
             for name, expression in getattr(self, group).items():
                 if free := [s.name() for s in ca.symvar(expression) if s.element_hash() not in allowed]:
@@ -138,7 +139,7 @@ class Block:
 
     def rewritten(self, change: Callable[[Symbols], Symbols], **fields: object) -> Block:
         """A copy with `change` applied to each group of expressions, and `fields` replaced."""
-        changed: dict[str, Any] = {group: change(getattr(self, group)) for group in ("front", "x0", *_EXPRESSIONS)}
+        changed: dict[str, Any] = {group: change(getattr(self, group)) for group in ("x0", *_EXPRESSIONS)}
         return replace(self, **{**changed, **fields})
 
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import math
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import casadi as ca
@@ -12,6 +13,8 @@ from .dialect import clamp
 from .symbols import MUSCLES
 
 Curve = Callable[[ca.SX, Symbols], ca.SX]
+# values at neighbouring arguments, and 1 where they may be wrong
+Neighbours = Callable[[Sequence[ca.SX], Symbols], tuple[list[ca.SX], ca.SX]]
 
 
 @dataclass(frozen=True, eq=False)  # one is itself: symbols have no equality
@@ -29,6 +32,7 @@ class CurveSet:
     f: Curve  # force-length factor over fibre length
     g: Curve  # force factor over shortening velocity
     g_inv: Curve  # shortening velocity over force factor
+    Phi_S_inv_near: Neighbours | None = None  # Φ_S⁻¹ of forces that are close together, for less
 
     def objection(self, values: Mapping[str, float]) -> str:
         """Why these numbers of a tendon make no curve that rises, or an empty string."""
@@ -106,6 +110,48 @@ def _Phi_S_inv(y: ca.SX, p: Symbols) -> ca.SX:
     return p.L_slack + p.toe * s + ca.fmax(y - p.F_toe, 0) / p.k
 
 
+# seeds of the quick inverse interpolate here, in √force; below the first they are poor
+_SEEDED = tuple(0.6 - 0.4 * math.cos((2 * i + 1) * math.pi / 14) for i in range(7))
+# so far from the seed, as a part of it, the series is good to the last bit
+_SERIES = 1.5e-3
+
+
+def _Phi_S_inv_near(ys: Sequence[ca.SX], p: Symbols) -> tuple[list[ca.SX], ca.SX]:
+    A3, A4, A5 = _toe(p)
+    forces = [clamp(y, 0, p.F_toe) for y in ys]
+
+    # s₀: inverse interpolation of √Φ_S, Newton's form; all but the argument follows from the parameters
+    nodes = [ca.sqrt(s**3 * (A3 + s * (A4 + s * A5))) for s in _SEEDED]
+    differences = [ca.SX(s) for s in _SEEDED]
+    for width in range(1, len(nodes)):
+        for i in range(len(nodes) - 1, width - 1, -1):
+            differences[i] = (differences[i] - differences[i - 1]) / (nodes[i] - nodes[i - width])
+    root = ca.sqrt(forces[0])
+    s = differences[-1]
+    for node, difference in zip(nodes[-2::-1], differences[-2::-1], strict=True):
+        s = s * (root - node) + difference
+
+    # Φ_S = Σ Dᵢ(s − s₀)ⁱ,  cᵢ = Dᵢ/D₁
+    D0 = s**3 * (A3 + s * (A4 + s * A5))
+    slope = 1 / (s**2 * (3 * A3 + s * (4 * A4 + s * (5 * A5))))
+    c2 = s * (3 * A3 + s * (6 * A4 + s * (10 * A5))) * slope
+    c3 = (A3 + s * (4 * A4 + s * (10 * A5))) * slope
+    c4, c5 = (A4 + s * (5 * A5)) * slope, A5 * slope
+    # its inverse series s − s₀ = Σ bᵢwⁱ,  w = (force − D₀)/D₁   (Lagrange)
+    square = c2 * c2
+    b3 = 2 * square - c3
+    b4 = c2 * (5 * c3 - 5 * square) - c4
+    b5 = square * (14 * square - 21 * c3) + 6 * c2 * c4 + 3 * c3 * c3 - c5
+    results, doubt = [], ca.SX(0)
+    for y, force in zip(ys, forces, strict=True):
+        w = (force - D0) * slope
+        series = s + w * (1 + w * (-c2 + w * (b3 + w * (b4 + w * b5))))
+        results.append(p.L_slack + p.toe * series + ca.fmax(y - p.F_toe, 0) / p.k)
+        doubt = ca.fmax(doubt, ca.fabs(w))
+    # also where nothing is a number
+    return results, ca.logic_not(doubt <= _SERIES * s)
+
+
 def _Phi_P(L_C: ca.SX, p: Symbols) -> ca.SX:
     # Φ_P = 8 max(L_C − 1, 0)³   [PhiPj]
     return p.k_P * ca.fmax(L_C - 1, 0) ** 3
@@ -127,7 +173,7 @@ def _g(u: ca.SX, p: Symbols) -> ca.SX:
     A, g_max = p.A_hill, p.g_max
     w, v = ca.fmax(u, 0), ca.fmax(-u, 0)
     # u ≥ 0: (1 − u)/(1 + u/A);  v = −u > 0: (v(A+1)g_max + A(g_max−1))/(A(g_max−1) + v(A+1)); the other factor is 1
-    return (1 - w) / (1 + w / A) * (v * (A + 1) * g_max + A * (g_max - 1)) / (A * (g_max - 1) + v * (A + 1))
+    return (1 - w) * (v * (A + 1) * g_max + A * (g_max - 1)) / ((1 + w / A) * (A * (g_max - 1) + v * (A + 1)))
 
 
 NGUYEN2019 = CurveSet(
@@ -142,6 +188,7 @@ NGUYEN2019 = CurveSet(
     f=_f,
     g=_g,
     g_inv=_g_inv,
+    Phi_S_inv_near=_Phi_S_inv_near,
 )
 
 # the six decimals of [PhiSj] as printed, highest power first

@@ -20,7 +20,7 @@ def outside(value: ca.SX, low: ca.SX | float, high: ca.SX | float) -> ca.SX:
 
 def sg(error: ca.SX, delta: ca.SX) -> ca.SX:
     """sg_δ(e) = e/(δ + |e|), the smoothed sign with boundary layer δ [deltas]; δ = 0 is the sign itself."""
-    return error / (delta + ca.fabs(error) + _TINY)
+    return error / (ca.fabs(error) + (delta + _TINY))
 
 
 def root(error: ca.SX) -> ca.SX:

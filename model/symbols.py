@@ -40,6 +40,8 @@ _SIGNALS = (
     Signal("a2", r"$a_2$", "activation of muscle 2", "[z]", tolerance=2e-2, size=0.1),
     Signal("taut1", "taut 1", "1 while tendon 1 carries force, else 0", "[PhiSj]"),
     Signal("taut2", "taut 2", "1 while tendon 2 carries force, else 0", "[PhiSj]"),
+    Signal("Phi_S1", r"$\Phi_{S1}$", "force of tendon 1", "[PhiSj]"),
+    Signal("Phi_S2", r"$\Phi_{S2}$", "force of tendon 2", "[PhiSj]"),
     Signal("r", r"$r$", "reference of the position", "paper, §V"),
     Signal("y1", r"$y_1$", "measured position", "[y1]"),
     Signal("y2", r"$y_2$", "measured force of tendon 1", "[y2]"),

@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
+import casadi as ca
+
 from ..model.block import Block, BlockError, Symbols
-from ..model.curves import NGUYEN2019, CurveSet
+from ..model.curves import NGUYEN2019, CurveSet, per_muscle
 from ..model.symbols import hat
 from ..model.wiring import rename, wire
 from . import adaptive_sliding_mode, high_gain, sliding_mode
@@ -14,7 +16,7 @@ from .activation import activation_estimate
 from .baseline import baseline
 from .conditions import Conditions
 from .ports import ESTIMATES, INPUTS
-from .tendons import LENGTHS, tendons
+from .tendons import tendons
 
 
 @dataclass(frozen=True)
@@ -44,8 +46,7 @@ _ACTIVATIONS = ("a1_hat", "a2_hat")
 
 
 def estimator(observer: Block, curves: CurveSet = NGUYEN2019) -> Block:
-    """`observer` with the tendons in front of it (if it asks for their lengths) and the activation block behind it
-    (unless it estimates the activations itself).
+    """`observer` with the activation block behind it (unless it estimates the activations itself).
 
     Refuses a Block without the observer's ports (BlockError).
     """
@@ -61,27 +62,20 @@ def estimator(observer: Block, curves: CurveSet = NGUYEN2019) -> Block:
     if len(own) == 1:
         other = next(name for name in _ACTIVATIONS if name not in own)
         raise BlockError(f"{observer.name}: it estimates {own[0]}, so it must estimate {other} as well")
-    before = [tendons(curves)] if set(observer.u) & set(LENGTHS) else []
     behind = [] if own else [activation_estimate(curves)]
-    for part in (*before, *behind):
+    for part in (*behind, tendons(curves)):
         _refuse_clashes(observer, part)
-    parts = [*before, observer, *behind]
-    connections = {f"{part.name}.{port}": port for part in (*before, observer) for port in part.u}
+    connections = {f"{observer.name}.{port}": port for port in observer.u}
     connections |= {f"{part.name}.{name}": f"{observer.name}.{name}" for part in behind for name in ESTIMATES}
-    ports = dict.fromkeys(connection for connection in connections.values() if connection in INPUTS)
-    external = {port: "t" if port == "t" else "held" if port in observer.held else "staged" for port in ports}
-    wired = wire(observer.name, parts, connections, external)
+    external = {port: "t" if port == "t" else "held" if port in observer.held else "staged" for port in observer.u}
+    wired = wire(observer.name, [observer, *behind], connections, external)
     every = [*wired.x, *wired.y, *wired.p, *wired.guards, *wired.domain]
-    lengths = list(LENGTHS) if before else []
-    whole = rename(
-        wired,
-        observer.name,
-        {key: key.partition(".")[2] for key in every},
-        [*ESTIMATES, *_ACTIVATIONS, *lengths],
+    whole = rename(wired, observer.name, {key: key.partition(".")[2] for key in every}, [*ESTIMATES, *_ACTIVATIONS])
+    # its own numbers of the tendons that tell it L_S1 and L_S2
+    parameters = {**whole.parameters, **per_muscle(curves.tendon)}
+    return replace(
+        whole, parameters=parameters, p=Symbols({name: whole.p.get(name, ca.SX.sym(name)) for name in parameters})
     )
-    # the lengths are inputs that it computes itself
-    y = Symbols({name: value for name, value in whole.y.items() if name not in lengths})
-    return replace(whole, y=y, front=Symbols({name: whole.y[name] for name in lengths}))
 
 
 def _refuse_clashes(observer: Block, part: Block) -> None:

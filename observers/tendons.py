@@ -1,6 +1,8 @@
-"""The lengths of the tendons as their measured forces tell them: what all observers have in front of them."""
+"""The lengths of the tendons as their measured forces tell them: what observers have in front of them."""
 
 from __future__ import annotations
+
+import casadi as ca
 
 from ..model.block import Block, Symbols, symbols
 from ..model.curves import NGUYEN2019, CurveSet, per_muscle
@@ -17,3 +19,20 @@ def tendons(curves: CurveSet = NGUYEN2019) -> Block:
     # L_Sj = Φ_S⁻¹(y_{j+1})   [PhiSj]
     y = Symbols({L: curves.Phi_S_inv(u[f], p.part(m)) for m, (L, f) in zip(MUSCLES, LENGTHS.items(), strict=True)})
     return Block("tendons", u=u, p=p, parameters=parameters, y=y)
+
+
+def tendons_of_a_step(stages: int, curves: CurveSet = NGUYEN2019) -> Block | None:
+    """The same at all stages of a step at once, for less; None if the curves have no such inverse.
+
+    Inputs y2.0, y3.0, y2.1 …; outputs L_S1.0, L_S2.0, L_S1.1 …, and `doubt`: 1 where these may be wrong.
+    """
+    if curves.Phi_S_inv_near is None:
+        return None
+    u, parameters = symbols(f"{y}.{i}" for i in range(stages) for y in LENGTHS.values()), per_muscle(curves.tendon)
+    p, found, doubt = symbols(parameters), Symbols(), ca.SX(0)
+    for muscle, (length, force) in zip(MUSCLES, LENGTHS.items(), strict=True):
+        values, wrong = curves.Phi_S_inv_near([u[f"{force}.{i}"] for i in range(stages)], p.part(muscle))
+        found |= {f"{length}.{i}": value for i, value in enumerate(values)}
+        doubt = ca.fmax(doubt, wrong)
+    y = found.only(f"{length}.{i}" for i in range(stages) for length in LENGTHS)
+    return Block("tendons_of_a_step", u=u, p=p, parameters=parameters, y=Symbols({**y, "doubt": doubt}))

@@ -8,10 +8,12 @@ import casadi as ca
 import numpy as np
 
 from ..codegen.library import Array, compile_functions
-from ..codegen.stepper import functions
+from ..codegen.stepper import STAGES, functions
 from ..model.block import Block, BlockError
 from ..model.symbols import MEASURED
 from ..observers import OBSERVERS, estimator
+from ..observers.ports import SENSED
+from ..observers.tendons import tendons
 from .simulate import simulate
 
 _POINTS = 200
@@ -41,14 +43,17 @@ def _descriptions(block: Block) -> Iterator[str]:
 
 
 def _numbers(whole: Block) -> Iterator[str]:
-    table = functions(whole, sorted(whole.held), MEASURED)
-    p = [parameter.default for parameter in whole.parameters.values()]
+    table, front = functions(whole, sorted(whole.held), SENSED), functions(tendons(), (), MEASURED)
+    p, own = ([parameter.default for parameter in block.parameters.values()] for block in (whole, tendons()))
     held = [0.0] * len(whole.held)
     for force in _FORCES:
         y = [2.6, force, force]
-        x = table["init"](0, p, held, y)
-        after, _ = table["step"](0, 1e-4, x, p, held, ca.repmat(ca.DM(y), 1, 4))
-        outputs, guards, domain = table["out"](0, x, p, held, y)
+        lengths, _ = front["out"](0, [], own, [], y)
+        seen = ca.vertcat(y, lengths)
+        x = table["init"](0, p, held, seen)
+        after, _ = table["step"](0, 1e-4, x, p, held, ca.repmat(seen, 1, STAGES))
+        outputs, domain = table["out"](0, x, p, held, seen)
+        guards = table["watch"](0, x, p, held, seen)
         for what, values in (
             ("start", x),
             ("step", after),
@@ -61,7 +66,7 @@ def _numbers(whole: Block) -> Iterator[str]:
 
 
 def _compiled(whole: Block) -> Iterator[str]:
-    table = functions(whole, sorted(whole.held), MEASURED)
+    table = functions(whole, sorted(whole.held), SENSED)
     library = compile_functions(list(table.values()))
     for function in table.values():
         points = _points(whole, function)
@@ -87,7 +92,7 @@ def _points(whole: Block, function: ca.Function) -> list[Array]:
         name, size = function.name_in(i), function.numel_in(i)
         spread = random.uniform(-1, 1, (_POINTS, size))
         if name == "staged":
-            result.append(np.tile([2.6, 0.1, 0.1], size // 3) + 0.05 * spread)
+            result.append(np.tile([2.6, 0.1, 0.1, 2.02, 2.02], size // len(SENSED)) + 0.05 * spread)
         elif name == "x":
             result.append(0.1 + 0.1 * spread)
         else:

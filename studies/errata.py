@@ -12,9 +12,10 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from ..codegen.batch import Failure, Grid, Trace
+from ..codegen.batch import Failure, Trace
 from ..codegen.export import Loop
 from ..codegen.library import Array
+from ..codegen.memory import Grid
 from ..model.block import Symbols
 from ..model.curves import NGUYEN2019, NGUYEN2019_PRINTED, TENDON
 from ..model.symbols import hat

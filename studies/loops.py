@@ -6,6 +6,7 @@ import functools
 
 from ..codegen.batch import CompiledLoop
 from ..codegen.export import Loop
+from ..codegen.stepper import STAGES
 from ..model.block import Block
 from ..model.closed_loop import closed_loop
 from ..model.curves import NGUYEN2019, CurveSet
@@ -14,6 +15,7 @@ from ..model.pulses import PULSES
 from ..model.sensors import NOISE_CHANNELS, sensors
 from ..observers import OBSERVERS, baseline_estimator, estimator
 from ..observers.score import score
+from ..observers.tendons import tendons, tendons_of_a_step
 from .table import Table, table
 
 
@@ -24,6 +26,8 @@ def paper_loop(drive: str, curves: CurveSet, custom: tuple[Block, ...] = (), con
     return Loop(
         truth=closed_loop(drive, curves, controller),
         sensors=sensors(),
+        front=tendons(curves),
+        near=tendons_of_a_step(STAGES, curves),
         observers=(*own, *(estimator(block, curves) for block in custom)),
         score=score(),
         noise=NOISE_CHANNELS,

@@ -7,8 +7,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..codegen.batch import Grid
 from ..codegen.export import Loop
+from ..codegen.memory import Grid
 from ..model.block import Block
 from ..model.curves import CURVES, NGUYEN2019
 from ..model.pulses import PULSES

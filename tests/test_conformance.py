@@ -5,7 +5,6 @@ import dataclasses
 import pytest
 
 from hillobs.model.block import Block, Parameter, Symbols, symbols
-from hillobs.model.curves import NGUYEN2019
 from hillobs.observers import OBSERVERS, baseline_estimator
 from hillobs.observers.conditions import FACTS, check
 from hillobs.studies.conformance import conformance
@@ -15,7 +14,7 @@ from hillobs.studies.table import ScenarioError
 
 @pytest.mark.parametrize("name", OBSERVERS)
 def test_ours_conform(name: str) -> None:
-    assert conformance(OBSERVERS[name].build(NGUYEN2019)) == []
+    assert conformance(OBSERVERS[name].build()) == []
 
 
 def test_a_users_own_conforms(proportional: Block) -> None:
@@ -31,7 +30,7 @@ def test_a_missing_port_is_named(proportional: Block) -> None:
 
 def test_an_observer_sees_the_sensors_only(proportional: Block) -> None:
     cheat = dataclasses.replace(proportional, u=Symbols({**proportional.u, **symbols("x2")}))
-    assert conformance(cheat) == ["proportional: an observer sees t, y1, y2, y3 only, not x2"]
+    assert conformance(cheat) == ["proportional: an observer sees t, y1, y2, y3, L_S1, L_S2 only, not x2"]
 
 
 def test_what_is_not_finite_for_a_slack_tendon_is_found(proportional: Block) -> None:
@@ -51,7 +50,7 @@ def facts(**changes: float) -> dict[str, float]:
 
 def violated(name: str, **changes: float) -> list[str]:
     observer = OBSERVERS[name]
-    block, about = observer.build(NGUYEN2019), symbols(FACTS)
+    block, about = observer.build(), symbols(FACTS)
     values = {key: changes.get(key, parameter.default) for key, parameter in block.parameters.items()}
     known = facts(**{key: value for key, value in changes.items() if key in FACTS})
     results = check(observer.conditions(block.p, about), Symbols({**block.p, **about}), {**values, **known})
@@ -93,7 +92,7 @@ def test_a_parameter_of_the_activation_is_not_taken_over_by_accident(proportiona
     p = Symbols({name: proportional.p.gain})
     own = dataclasses.replace(proportional, p=p, parameters={name: proportional.parameters["gain"]})
     (complaint,) = conformance(own)
-    assert complaint.startswith(f"proportional: the activation behind it has a parameter {name} too")
+    assert complaint.startswith(f"proportional: the activation wired to it has a parameter {name} too")
 
 
 @pytest.mark.parametrize("name", ["high_gain", "baseline", "truth", "noise", "plant", "muscle1", "pulse", "score"])

@@ -31,6 +31,7 @@ RANGES = {
     "Delta_hat": (-0.1, 0.1), "u1_hat": (-0.2, 0.2), "u2_hat": (-0.2, 0.2),
     "l_a": (-0.5, 0.6), "r_a0": (0, 21), "k_1": (-0.1, 11), "r_a1": (0, 21), "k_2": (-0.1, 11), "r_a2": (0, 21),
     "y1": (2.55, 2.8), "y2": (0, 0.9), "y3": (0, 0.9),
+    "L_S1": (2, 2.07), "L_S2": (2, 2.07),
 }  # fmt: skip
 
 
@@ -103,7 +104,9 @@ class Errors:
     def __init__(self, observer: Block, switches: Mapping[str, float] | None = None, **fixed: float) -> None:
         rng = np.random.default_rng(7)
         plant = pair()
-        y = [plant.y.x1, plant.y.Phi_S1, plant.y.Phi_S2]
+        # y₁ = x₁, y₂ = Φ_S(x₃), Φ_S⁻¹(y₂) = x₃ …
+        seen = {"y1": plant.x.x1, "y2": plant.y.Phi_S1, "y3": plant.y.Phi_S2, "L_S1": plant.x.x3, "L_S2": plant.x.x4}
+        y = [seen[port] for port in observer.u]
         self.observer, self.o, self.p = observer, Symbols({**plant.x, **observer.x, **plant.u}), observer.p
         dx_hat = Symbols(
             zip(observer.dx, ca.substitute(list(observer.dx.values()), list(observer.u.values()), y), strict=True)

@@ -7,13 +7,19 @@ from pathlib import Path
 import pytest
 
 from hillobs.codegen.export import Source, export_loop
-from hillobs.codegen.library import Library
 from hillobs.codegen.toolchain import find_compiler
 from hillobs.model.curves import NGUYEN2019
 from hillobs.model.pair import DRIVES
-from hillobs.studies.loops import full_table, paper_loop
+from hillobs.studies.loops import compile_loop, full_table, paper_loop
 
-SANITIZE = ("-O0", "-g", "-fsanitize=address,undefined,float-cast-overflow", "-fno-sanitize-recover=all")
+SANITIZE = (
+    "-O0",
+    "-g",
+    "-march=native",
+    "-Wno-psabi",
+    "-fsanitize=address,undefined,float-cast-overflow",
+    "-fno-sanitize-recover=all",
+)
 
 
 def compile_text(text: str, folder: Path, *flags: str) -> subprocess.CompletedProcess[str]:
@@ -37,29 +43,50 @@ MAIN = """
 #include <stdio.h>
 #include <stdlib.h>
 
-static double *array(int n) {{ return (double *)calloc(n ? n : 1, sizeof(double)); }}
+static V *numbers(int n) {{ return n ? (V *)calloc(n, sizeof(V)) : (V *)aligned_alloc(64, 64); }}
+
+static V *filled(int n, const double *from) {{
+    V *to = numbers(n);
+    for (int i = 0; i < n; ++i) to[i] = V(from[i]);
+    return to;
+}}
+
+template <class B> static void make(List<B>, Part *part, const double *const *p, int64_t points) {{
+    part->p = filled(B::NP, *p);
+    part->c = numbers(B::NC);
+    part->x = numbers(B::NX);
+    part->sums = numbers(Score::NX);
+    part->guards = numbers(B::N_GUARDS);
+    part->record_x = (double *)calloc(B::NX * points, sizeof(double));
+    part->record_y = (double *)calloc(B::NY * points, sizeof(double));
+    part->failed = (int64_t *)calloc(LANES, sizeof(int64_t));
+    part->cause = (int64_t *)calloc(LANES, sizeof(int64_t));
+}}
+
+template <class B, class C, class... Rest>
+static void make(List<B, C, Rest...>, Part *part, const double *const *p, int64_t points) {{
+    make(List<B>(), part, p, points);
+    make(List<C, Rest...>(), part + 1, p + 1, points);
+}}
+
+typedef List<{types}> All;
 
 int main(void) {{
     {parameters}
     const double *p[] = {{{names}}};
-    const int n = (int)(sizeof p / sizeof *p) - 1;
-    const int64_t points = 51, on[2] = {{20, 40}}, off[2] = {{30, 60}};
+    const char *const names[] = {{{quoted}}};
+    const int n = (int)(sizeof p / sizeof *p) - 1;  // the front's come last
+    const int64_t on[2] = {{20, 40}}, off[2] = {{30, 60}};
+    uint64_t seeds[LANES];
+    for (int l = 0; l < LANES; ++l) seeds[l] = l;
     Part *parts = (Part *)calloc(n, sizeof(Part));
-    for (int i = 0; i < n; ++i) {{
-        const Block &b = BLOCKS[i];
-        parts[i].block = i;
-        parts[i].p = p[i];
-        parts[i].x = array(b.nx);
-        parts[i].y = array(b.ny);
-        parts[i].guards = array(b.n_guards);
-        parts[i].score = array(SCORE.nx);
-        parts[i].record_x = array(b.nx * points);
-        parts[i].record_y = array(b.ny * points);
-    }}
-    Run run = {{{step}, 7, 0, 500, 10, 100, 10, on, off, p[n], parts, n, array(N_NOISE + N_PULSES + 2)}};
-    hillobs_start(&run);
-    while (run.k <= run.steps) hillobs_advance(&run, run.k + 137);
-    for (int i = 0; i < n; ++i) printf("%s %lld\\n", BLOCKS[i].name, (long long)parts[i].failed);
+    make(All(), parts, p, 51);
+    FrontPart front = {{filled(Front::NP, p[n]), numbers(Front::NC), numbers(Near::NC)}};
+    Runs runs = {{1, seeds, parts, &front, 1, numbers(N_HELD)}};
+    Batch batch = {{{step}, 0, 500, 10, 100, 10, on, off, 1, &runs, 0, 0, 64}};
+    hillobs_start(&batch);
+    while (batch.k <= batch.steps) hillobs_advance(&batch, batch.k + 137);
+    for (int i = 0; i < n; ++i) printf("%s %lld\\n", names[i], (long long)parts[i].failed[0]);
     return 0;
 }}
 """
@@ -68,11 +95,16 @@ int main(void) {{
 def program(drive: str, given: dict[str, float], step: float) -> str:
     loop, table = paper_loop(drive, NGUYEN2019), full_table()
     numbers = {block.name: table.values(block, given) for block in loop.blocks}
-    arrays = [
-        f"static const double p_{name}[] = {{{', '.join(map(repr, v)) or '0.0'}}};" for name, v in numbers.items()
-    ]
-    names = ", ".join(f"p_{name}" for name in numbers)
-    return source(drive).text + MAIN.format(parameters="\n    ".join(arrays), names=names, step=step)
+    whose = loop.observers[0]
+    numbers["front"] = [numbers[whose.name][list(whose.p).index(name)] for name in loop.front.p]
+    arrays = [f"static const double p_{name}[] = {{{', '.join(map(repr, v))}}};" for name, v in numbers.items()]
+    return source(drive).text + MAIN.format(
+        parameters="\n    ".join(arrays),
+        names=", ".join(f"p_{name}" for name in numbers),
+        quoted=", ".join(f'"{name}"' for name in numbers),
+        types=", ".join(f"Part_{block.name}" for block in loop.blocks),
+        step=step,
+    )
 
 
 @pytest.mark.parametrize(
@@ -101,16 +133,12 @@ def test_the_sanitizers_are_silent(
 
 
 def test_only_our_own_names_are_exported() -> None:
-    library = Library(source("virtual"))
-    listed = subprocess.run(
-        ["nm", "-D", "--defined-only", str(library.path)], capture_output=True, text=True, check=True
-    )
+    path = compile_loop(paper_loop("virtual", NGUYEN2019)).path
+    listed = subprocess.run(["nm", "-D", "--defined-only", str(path)], capture_output=True, text=True, check=True)
     names = [line.split()[-1] for line in listed.stdout.splitlines()]
     assert names
     assert all(name.startswith("hillobs_") for name in names if not name.startswith("_"))
-    undefined = subprocess.run(
-        ["nm", "-D", "--undefined-only", str(library.path)], capture_output=True, text=True, check=True
-    )
+    undefined = subprocess.run(["nm", "-D", "--undefined-only", str(path)], capture_output=True, text=True, check=True)
     assert not {"malloc", "free", "printf", "fopen", "system"} & {
         w.split()[-1].split("@")[0] for w in undefined.stdout.splitlines()
     }

@@ -10,7 +10,7 @@ import pytest
 import xarray as xr
 
 import independent
-from hillobs.codegen import toolchain
+from hillobs.codegen import batch, toolchain
 from hillobs.model.block import Block, Symbols, symbols
 from hillobs.model.curves import NGUYEN2019
 from hillobs.observers.ports import ESTIMATES
@@ -165,8 +165,9 @@ def test_one_library_runs_everything_and_a_second_run_compiles_nothing(monkeypat
         simulate("paper-noisy", ["sliding_mode"] if seed else None, {**changes, "seed": seed, "duration": 0.1})
 
 
-def test_progress_slices_change_no_bit() -> None:
+def test_progress_slices_change_no_bit(monkeypatch: pytest.MonkeyPatch) -> None:
     """A run in slices of 2,000 points is the run of each step by itself."""
+    monkeypatch.setattr(batch, "_SLICE", 2000)
     prepared = prepare("paper-noisy", None, {"duration": 2.5, "score.start": 0.5})
     done: list[float] = []
     whole = simulate_prepared(prepared, done.append)
@@ -206,7 +207,7 @@ def test_zero_error_stays_zero_where_the_theory_says_so() -> None:
 
 
 def noise(seed: int, channel: int, samples: int) -> np.ndarray:
-    dll = compile_loop(paper_loop("virtual", NGUYEN2019)).library.dll
+    dll = compile_loop(paper_loop("virtual", NGUYEN2019)).dll
     values = np.empty(samples)
     pointer = values.ctypes.data_as(ctypes.POINTER(ctypes.c_double))
     dll.hillobs_noise(
@@ -216,7 +217,7 @@ def noise(seed: int, channel: int, samples: int) -> np.ndarray:
 
 
 def test_philox_gives_the_published_vectors() -> None:
-    dll = compile_loop(paper_loop("virtual", NGUYEN2019)).library.dll
+    dll = compile_loop(paper_loop("virtual", NGUYEN2019)).dll
     for counter, key, expected in independent.PHILOX_VECTORS:
         words = (ctypes.c_uint32 * 4)()
         dll.hillobs_philox((ctypes.c_uint32 * 4)(*counter), (ctypes.c_uint32 * 2)(*key), words)
@@ -320,4 +321,7 @@ def test_a_users_own_observer_runs_beside_ours(proportional: Block) -> None:
     assert float(dataset.rmse.sel(estimator="proportional", quantity="x1")) < 1e-3
     assert '"proportional.gain": 50.0' in dataset.attrs["parameters"]
     ours = simulate("paper-clean", ["high_gain"], {"duration": 3.0})
-    np.testing.assert_array_equal(ours.x_hat.sel(observer="high_gain"), dataset.x_hat.sel(observer="high_gain"))
+    # another library: a compiler may contract a product and a sum here and not there
+    np.testing.assert_allclose(
+        ours.x_hat.sel(observer="high_gain"), dataset.x_hat.sel(observer="high_gain"), rtol=0, atol=1e-13
+    )

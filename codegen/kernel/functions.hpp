@@ -49,19 +49,20 @@ static const double LARGEST_ANGLE = 1e5;
 static __attribute__((noinline)) V far_sin(V x) { LANE_BY_LANE(sin, x); }
 static __attribute__((noinline)) V far_cos(V x) { LANE_BY_LANE(cos, x); }
 
-INLINE V exp(V x) { EACH(exp_of(x.v[i])); }
+UNARY(exp, exp_of(a))
 
-INLINE V near_sine(V x, int64_t shift) { EACH(sine_of(x.v[i], shift)); }
+UNARY(near_sin, sine_of(a, 0))
+UNARY(near_cos, sine_of(a, 1))
 
 INLINE V sin(V x) {
     const V far = V(LARGEST_ANGLE) < fabs(x);
-    const V near = near_sine(x, 0);
+    const V near = near_sin(x);
     return any(far) ? select(far, far_sin(x), near) : near;
 }
 
 INLINE V cos(V x) {
     const V far = V(LARGEST_ANGLE) < fabs(x);
-    const V near = near_sine(x, 1);
+    const V near = near_cos(x);
     return any(far) ? select(far, far_cos(x), near) : near;
 }
 

@@ -21,6 +21,7 @@
 // One register: so many numbers, and whole numbers or masks of the same width.
 #if HILLOBS_BYTES == 8
 enum { GROUPS = 1 };
+#define SECOND(...)
 typedef double Reals;
 typedef int64_t Wholes;
 typedef bool Mask;
@@ -28,6 +29,7 @@ INLINE Wholes bits(Reals x) { Wholes n; memcpy(&n, &x, sizeof n); return n; }
 INLINE Reals real(Wholes n) { Reals x; memcpy(&x, &n, sizeof x); return x; }
 #else
 enum { GROUPS = 2 };  // one register per value leaves the latencies uncovered, four spill
+#define SECOND(...) __VA_ARGS__
 typedef double Reals __attribute__((vector_size(HILLOBS_BYTES)));
 typedef int64_t Wholes __attribute__((vector_size(HILLOBS_BYTES)));
 typedef Wholes Mask;
@@ -42,11 +44,12 @@ INLINE Reals pick(Mask mask, Reals yes, Reals no) { return mask ? yes : no; }
 INLINE Reals magnitude(Reals x) { return real(bits(x) & INT64_MAX); }
 
 struct V {
-    Reals v[GROUPS];
+    Reals low;
+#if HILLOBS_BYTES > 8
+    Reals high;
+#endif
     V() {}
-    __attribute__((always_inline)) V(double x) {
-        for (int i = 0; i < GROUPS; ++i) v[i] = all(x);
-    }
+    __attribute__((always_inline)) V(double x) : low(all(x)) { SECOND(high = low;) }
 };
 
 INLINE double lane(const V &x, int l) {
@@ -57,31 +60,49 @@ INLINE double lane(const V &x, int l) {
 
 INLINE void set_lane(V &x, int l, double value) { memcpy((char *)&x + 8 * l, &value, sizeof value); }
 
-#define EACH(expression)                              \
-    V r;                                              \
-    for (int i = 0; i < GROUPS; ++i) r.v[i] = expression; \
-    return r
+// Functions of V by what they do to the registers a, b, c of their arguments.
+#define UNARY(name, result)                          \
+    INLINE V name(V x) {                             \
+        V r;                                         \
+        { const Reals a = x.low; r.low = result; }   \
+        SECOND({ const Reals a = x.high; r.high = result; }) \
+        return r;                                    \
+    }
+#define BINARY(name, result)                                           \
+    INLINE V name(V x, V y) {                                          \
+        V r;                                                           \
+        { const Reals a = x.low, b = y.low; r.low = result; }          \
+        SECOND({ const Reals a = x.high, b = y.high; r.high = result; }) \
+        return r;                                                      \
+    }
+#define TERNARY(name, result)                                                        \
+    INLINE V name(V x, V y, V z) {                                                   \
+        V r;                                                                         \
+        { const Reals a = x.low, b = y.low, c = z.low; r.low = result; }             \
+        SECOND({ const Reals a = x.high, b = y.high, c = z.high; r.high = result; }) \
+        return r;                                                                    \
+    }
 
-INLINE V operator+(V a, V b) { EACH(a.v[i] + b.v[i]); }
-INLINE V operator-(V a, V b) { EACH(a.v[i] - b.v[i]); }
-INLINE V operator*(V a, V b) { EACH(a.v[i] * b.v[i]); }
-INLINE V operator/(V a, V b) { EACH(a.v[i] / b.v[i]); }
-INLINE V operator-(V a) { EACH(-a.v[i]); }
+BINARY(operator+, a + b)
+BINARY(operator-, a - b)
+BINARY(operator*, a * b)
+BINARY(operator/, a / b)
+UNARY(operator-, -a)
 // a comparison is 1 or 0, as in C
-INLINE V operator<(V a, V b) { EACH(pick(a.v[i] < b.v[i], all(1), all(0))); }
-INLINE V operator<=(V a, V b) { EACH(pick(a.v[i] <= b.v[i], all(1), all(0))); }
-INLINE V operator==(V a, V b) { EACH(pick(a.v[i] == b.v[i], all(1), all(0))); }
-INLINE V operator!=(V a, V b) { EACH(pick(a.v[i] != b.v[i], all(1), all(0))); }
-INLINE V operator!(V a) { return a == 0.0; }
-INLINE V operator&&(V a, V b) { return (a != 0.0) * (b != 0.0); }
-INLINE V operator||(V a, V b) { return !(!a && !b); }
+BINARY(operator<, pick(a < b, all(1), all(0)))
+BINARY(operator<=, pick(a <= b, all(1), all(0)))
+BINARY(operator==, pick(a == b, all(1), all(0)))
+BINARY(operator!=, pick(a != b, all(1), all(0)))
+INLINE V operator!(V x) { return x == 0.0; }
+INLINE V operator&&(V x, V y) { return (x != 0.0) * (y != 0.0); }
+INLINE V operator||(V x, V y) { return !(!x && !y); }
 // a first argument that is no number stays visible
-INLINE V fmax(V a, V b) { EACH(pick(b.v[i] > a.v[i], b.v[i], a.v[i])); }
-INLINE V fmin(V a, V b) { EACH(pick(b.v[i] < a.v[i], b.v[i], a.v[i])); }
-INLINE V fabs(V a) { EACH(magnitude(a.v[i])); }
+BINARY(fmax, pick(b > a, b, a))
+BINARY(fmin, pick(b < a, b, a))
+UNARY(fabs, magnitude(a))
+// b where a is not 0, elsewhere c, whatever the other is
+TERNARY(select, pick(a != all(0), b, c))
 
-// where `mask` is not 0: yes, elsewhere no, whatever it is
-INLINE V select(V mask, V yes, V no) { EACH(pick(mask.v[i] != all(0), yes.v[i], no.v[i])); }
 // is it other than 0 in any lane?
 INLINE bool any(V mask) {
     int64_t found = 0;
@@ -89,3 +110,8 @@ INLINE bool any(V mask) {
         for (int j = 0; j < WIDTH; ++j) found |= (int64_t)(lane(mask, i * WIDTH + j) != 0);
     return found != 0;
 }
+
+INLINE void given(const V *pointer) {
+    if (!pointer) __builtin_unreachable();
+}
+INLINE void unused(const V *) {}

@@ -9,7 +9,12 @@ struct Part {
     V *guards;                   // steps that each guard was active, or null
     double *record_x, *record_y; // a row per run and recorded point, or null
     int64_t *failed, *cause;     // per lane: grid point of the failure or −1; what failed, counted over x, y, domain
-    int64_t front;               // the observer whose front is the same, first of its kind
+    int64_t front;               // which front it sees; observers only
+};
+
+// What observers compute from the measurements alone, with one set of numbers.
+struct FrontPart {
+    V *p, *c, *c_near;
 };
 
 // So many runs as fit in the lanes; spare lanes repeat the last one.
@@ -17,6 +22,8 @@ struct Runs {
     int64_t n;
     const uint64_t *seeds;
     Part *parts;  // the truth, the sensors, the observers, the score
+    FrontPart *fronts;
+    int64_t n_fronts;
     V *held;      // noise, pulses, window, sample
 };
 
@@ -39,6 +46,9 @@ struct Row {
     V y[N_TRUTH + N_ESTIMATES];
 };
 
+// all that it calls becomes part of it: then CasADi's questions whether a pointer is null are answered at compile time
+#define FLAT __attribute__((flatten, noinline))
+
 static const double NODES[] = {0, 0.5, 0.5, 1};
 
 static __attribute__((noinline)) void draw(const Batch &batch, Runs &runs, int64_t k) {
@@ -51,6 +61,7 @@ static __attribute__((noinline)) void draw(const Batch &batch, Runs &runs, int64
 }
 
 template <int N> INLINE void copy(const V *from, V *to) {
+#pragma GCC unroll 64  // or it becomes a call of memmove
     for (int i = 0; i < N; ++i) to[i] = from[i];
 }
 
@@ -86,7 +97,7 @@ static __attribute__((noinline)) void keep(const Batch &batch, const Runs &runs,
 }
 
 template <class B>
-static __attribute__((noinline)) void watch(Part &part, const Part &truth, const V *t, const V *held, const V *staged) {
+static FLAT void watch(Part &part, const Part &truth, const V *t, const V *held, const V *staged) {
     V active[B::N_GUARDS + 1];
     B::watch(t, part.c, part.x, held, staged, active);
     for (int l = 0; l < LANES; ++l)
@@ -114,7 +125,7 @@ INLINE void visit(const Batch &batch, Runs &runs, Part &part, int64_t k, const V
 }
 
 // one function for both kinds of batches, so that sharing the truth changes no bit of it
-static __attribute__((noinline)) void advance_truth(const Batch &batch, Runs &runs, int64_t k, Row &row) {
+static FLAT void advance_truth(const Batch &batch, Runs &runs, int64_t k, Row &row) {
     Part &part = runs.parts[0];
     const V t = (double)k * batch.h;
     visit<Truth>(batch, runs, part, k, &t, 0, row.y);
@@ -134,7 +145,7 @@ static void collect(const Row &row, double *values) {
 }
 
 // What the sensors show at the four stages of a step.
-static __attribute__((noinline)) void measure(const Batch &batch, Runs &runs, int64_t k, const Row &row, V *measured) {
+static FLAT void measure(const Batch &batch, Runs &runs, int64_t k, const Row &row, V *measured) {
     Part &part = runs.parts[1];
     V nothing[Sensors::N_DOMAIN + 1];
     for (int i = 0; i < 4; ++i) {
@@ -144,13 +155,24 @@ static __attribute__((noinline)) void measure(const Batch &batch, Runs &runs, in
     if (part.record_x && k % batch.record == 0) keep<Sensors>(batch, runs, part, k, measured);
 }
 
-template <class B>
-static __attribute__((noinline)) void evaluate_front(const Batch &batch, Runs &runs, Part &part, int64_t k, V *staged) {
-    V front[N_FRONT + 1];
+// What observers see at the four stages of a step: the measurements and what a front makes of them.
+template <class N>
+static FLAT void see(const Batch &batch, Runs &runs, const FrontPart &part, int64_t k, const V *measured, V *staged) {
+    V near[4 * N_FRONT + 1], front[N_FRONT], nothing[N::N_DOMAIN + 1], doubt = 1.0;
+    copy<4 * N_STAGED>(measured, staged);
+    if constexpr (HAS_NEAR) {
+        const V t = (double)k * batch.h;
+        N::out(&t, part.c_near, 0, runs.held, measured, near, nothing);
+        doubt = near[4 * N_FRONT];
+    }
+    const bool check = any(doubt);
     for (int i = 0; i < 4; ++i) {
         const V t = ((double)k + NODES[i]) * batch.h;
-        B::front(&t, part.c, part.x, runs.held, staged + i * N_STAGED, front);
-        copy<N_FRONT>(front, staged + i * N_STAGED + N_MEASURED);
+        if (check) Front::out(&t, part.c, 0, runs.held, measured + i * N_STAGED, front, nothing);
+        for (int j = 0; j < N_FRONT; ++j) {
+            const V quick = near[i * N_FRONT + j];
+            staged[i * N_STAGED + N_MEASURED + j] = check ? select(doubt, front[j], quick) : quick;
+        }
     }
 }
 
@@ -168,14 +190,9 @@ INLINE void account(const Batch &batch, Runs &runs, Part &part, int64_t k, const
 }
 
 template <class B>
-INLINE void observe(const Batch &batch, Runs &runs, int64_t i, int64_t k, Row &row, V (*fronts)[4 * N_STAGED], const V *measured) {
-    Part &part = runs.parts[2 + i];
+INLINE void observe(const Batch &batch, Runs &runs, Part &part, int64_t k, Row &row, const V (*seen)[4 * N_STAGED]) {
     if (!part.x) return;
-    if (part.front == i) {
-        copy<4 * N_STAGED>(measured, fronts[i]);
-        if constexpr (B::HAS_FRONT) evaluate_front<B>(batch, runs, part, k, fronts[i]);
-    }
-    const V *staged = fronts[part.front], t = (double)k * batch.h;
+    const V *staged = seen[part.front], t = (double)k * batch.h;
     visit<B>(batch, runs, part, k, &t, staged, row.y + N_TRUTH);
     account<Score>(batch, runs, part, k, &t, row.y);
     if (k == batch.steps) return;
@@ -184,18 +201,40 @@ INLINE void observe(const Batch &batch, Runs &runs, int64_t i, int64_t k, Row &r
     copy<B::NX>(after, part.x);
 }
 
-INLINE void observe_all(List<>, const Batch &, Runs &, int64_t, int64_t, Row &, V (*)[4 * N_STAGED], const V *) {}
+INLINE void observe_all(List<>, const Batch &, Runs &, Part *, int64_t, Row &, const V (*)[4 * N_STAGED]) {}
 
 template <class B, class... Rest>
-INLINE void observe_all(List<B, Rest...>, const Batch &batch, Runs &runs, int64_t i, int64_t k, Row &row,
-                        V (*fronts)[4 * N_STAGED], const V *measured) {
-    observe<B>(batch, runs, i, k, row, fronts, measured);
-    observe_all(List<Rest...>(), batch, runs, i + 1, k, row, fronts, measured);
+INLINE void observe_all(List<B, Rest...>, const Batch &batch, Runs &runs, Part *part, int64_t k, Row &row,
+                        const V (*seen)[4 * N_STAGED]) {
+    observe<B>(batch, runs, *part, k, row, seen);
+    observe_all(List<Rest...>(), batch, runs, part + 1, k, row, seen);
 }
 
-static void advance(const Batch &batch, Runs &runs, int64_t from, int64_t until) {
+template <class B> static void prepare(const Batch &batch, Part &part) {
+    const V h = batch.h;
+    B::constants(&h, part.p, part.c);
+    for (int l = 0; l < LANES; ++l) part.failed[l] = -1;
+}
+
+static void prepare_all(List<>, const Batch &, Part *) {}
+
+template <class B, class... Rest> static void prepare_all(List<B, Rest...>, const Batch &batch, Part *part) {
+    if (part->x) prepare<B>(batch, *part);
+    prepare_all(List<Rest...>(), batch, part + 1);
+}
+
+// An observer may start from what is measured then.
+static void begin_all(List<>, Runs &, Part *, const V *, const V (*)[4 * N_STAGED]) {}
+
+template <class B, class... Rest>
+static void begin_all(List<B, Rest...>, Runs &runs, Part *part, const V *t, const V (*seen)[4 * N_STAGED]) {
+    if (part->x) B::init(t, part->p, runs.held, seen[part->front], part->x);
+    begin_all(List<Rest...>(), runs, part + 1, t, seen);
+}
+
+static FLAT void advance(const Batch &batch, Runs &runs, int64_t from, int64_t until) {
     Row row;
-    V measured[4 * N_STAGED], fronts[N_OBSERVERS][4 * N_STAGED];
+    V measured[4 * N_STAGED], seen[N_OBSERVERS][4 * N_STAGED];
     for (int64_t k = from; k < until; ++k) {
         draw(batch, runs, k);
         if (batch.truth)
@@ -203,51 +242,34 @@ static void advance(const Batch &batch, Runs &runs, int64_t from, int64_t until)
         else
             advance_truth(batch, runs, k, row);
         measure(batch, runs, k, row, measured);
-        observe_all(Observers(), batch, runs, 0, k, row, fronts, measured);
+        for (int64_t i = 0; i < runs.n_fronts; ++i) see<Near>(batch, runs, runs.fronts[i], k, measured, seen[i]);
+        if (k == 0) {
+            const V t = 0.0;
+            begin_all(Observers(), runs, runs.parts + 2, &t, seen);
+        }
+        observe_all(Observers(), batch, runs, runs.parts + 2, k, row, seen);
     }
-}
-
-template <class B> static void begin(const Batch &batch, Runs &runs, Part &part, const V *staged) {
-    const V t = 0.0, h = batch.h;
-    B::constants(&h, part.p, part.c);
-    if (!part.x) return;
-    B::init(&t, part.p, runs.held, staged, part.x);
-    for (int l = 0; l < LANES; ++l) part.failed[l] = -1;
-}
-
-static void begin_all(List<>, const Batch &, Runs &, int64_t, const V *) {}
-
-template <class B, class... Rest>
-static void begin_all(List<B, Rest...>, const Batch &batch, Runs &runs, int64_t i, const V *measured) {
-    Part &part = runs.parts[2 + i];
-    if (part.x) {
-        V staged[4 * N_STAGED];
-        copy<4 * N_STAGED>(measured, staged);
-        const V h = batch.h;
-        B::constants(&h, part.p, part.c);
-        if constexpr (B::HAS_FRONT) evaluate_front<B>(batch, runs, part, 0, staged);
-        begin<B>(batch, runs, part, staged);
-    }
-    begin_all(List<Rest...>(), batch, runs, i + 1, measured);
 }
 
 HILLOBS_EXPORT void hillobs_start(Batch *batch) {
-    Row row;
-    V measured[4 * N_STAGED], domain[Truth::N_DOMAIN + 1], after[Truth::NX + 1];
     const V t = 0.0, h = batch->h;
     batch->k = 0;
     for (int64_t i = batch->truth ? -1 : 0; i < batch->n_runs; ++i) {
-        Runs &runs = i < 0 ? *batch->truth : batch->runs[i], &owner = batch->truth ? *batch->truth : runs;
-        Part &truth = owner.parts[0];
-        draw(*batch, runs, 0);
-        if (&runs == &owner) begin<Truth>(*batch, runs, truth, 0);
-        Truth::out(&t, truth.c, truth.x, runs.held, 0, row.y, domain);
-        Truth::step(&t, truth.c, truth.x, runs.held, 0, after, row.seen);
+        Runs &runs = i < 0 ? *batch->truth : batch->runs[i];
+        if (i < 0 || !batch->truth) {
+            draw(*batch, runs, 0);
+            prepare<Truth>(*batch, runs.parts[0]);
+            Truth::init(&t, runs.parts[0].p, runs.held, 0, runs.parts[0].x);
+        }
         if (i < 0) continue;
-        Sensors::constants(&h, runs.parts[1].p, runs.parts[1].c);
-        Score::constants(&h, runs.parts[2 + N_OBSERVERS].p, runs.parts[2 + N_OBSERVERS].c);
-        measure(*batch, runs, 0, row, measured);
-        begin_all(Observers(), *batch, runs, 0, measured);
+        prepare<Sensors>(*batch, runs.parts[1]);
+        prepare_all(Observers(), *batch, runs.parts + 2);
+        prepare<Score>(*batch, runs.parts[2 + N_OBSERVERS]);
+        for (int64_t j = 0; j < runs.n_fronts; ++j) {
+            const FrontPart &front = runs.fronts[j];
+            Front::constants(&h, front.p, front.c);
+            Near::constants(&h, front.p, front.c_near);
+        }
     }
 }
 
@@ -276,15 +298,14 @@ template <class B> static int64_t *sizes_of(int64_t *sizes) {
     return sizes;
 }
 
-template <class... Blocks> static void sizes_of_all(List<Blocks...>, int64_t *sizes) {
-    int64_t *ends[] = {(sizes = sizes_of<Blocks>(sizes))...};
-    sizes_of<Score>(ends[N_OBSERVERS - 1]);
+static int64_t *sizes_of_all(List<>, int64_t *sizes) { return sizes; }
+
+template <class B, class... Rest> static int64_t *sizes_of_all(List<B, Rest...>, int64_t *sizes) {
+    return sizes_of_all(List<Rest...>(), sizes_of<B>(sizes));
 }
 
 HILLOBS_EXPORT void hillobs_sizes(int64_t *sizes) {
-    const int64_t own[] = {LANES, N_ROW, (int64_t)sizeof(Batch), (int64_t)sizeof(Runs), (int64_t)sizeof(Part)};
+    const int64_t own[] = {LANES, N_ROW, sizeof(Batch), sizeof(Runs), sizeof(Part), sizeof(FrontPart)};
     for (int64_t size : own) *sizes++ = size;
-    sizes = sizes_of<Truth>(sizes);
-    sizes = sizes_of<Sensors>(sizes);
-    sizes_of_all(Observers(), sizes);
+    sizes_of_all(Everything(), sizes);
 }

@@ -1,0 +1,50 @@
+"""Expressions as the lanes want them: no branch, no division by what is constant over a run."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import casadi as ca
+
+# far enough from overflow to be multiplied by 1
+_HUGE = 1e300
+
+
+def lowered(expressions: Sequence[ca.SX], inputs: Sequence[ca.SX], reciprocals: Mapping[int, ca.SX]) -> list[ca.SX]:
+    """The same expressions in the symbols `inputs` (scalars), operation by operation.
+
+    reciprocals: hash of a symbol → symbol for its reciprocal; a division by the former multiplies by the latter.
+    """
+    f = ca.Function("f", inputs, [ca.densify(expression) for expression in expressions])
+    work: dict[int, ca.SX] = {}
+    results = [[ca.SX(0)] * expression.numel() for expression in expressions]
+    for k in range(f.n_instructions()):
+        operation = f.instruction_id(k)
+        operands, targets = f.instruction_input(k), f.instruction_output(k)
+        if operation == ca.OP_OUTPUT:
+            results[targets[0]][targets[1]] = work[operands[0]]
+        elif operation == ca.OP_INPUT:
+            work[targets[0]] = inputs[operands[0]]
+        elif operation == ca.OP_CONST:
+            work[targets[0]] = ca.SX(f.instruction_constant(k))
+        else:
+            work[targets[0]] = _operation(operation, [work[i] for i in operands], reciprocals)
+    return [
+        ca.reshape(ca.vertcat(*entries), expression.shape) if entries else expression
+        for entries, expression in zip(results, expressions, strict=True)
+    ]
+
+
+def _operation(operation: int, operands: Sequence[ca.SX], reciprocals: Mapping[int, ca.SX]) -> ca.SX:
+    first, last = operands[0], operands[-1]
+    if operation == ca.OP_IF_ELSE_ZERO:
+        # c ? x : 0 is c x, for an x that may be infinite where c is 0
+        return (first != 0) * ca.fmin(ca.fmax(-_HUGE, last), _HUGE)
+    if operation == ca.OP_SIGN:
+        return (first > 0) - (first < 0)
+    if last.is_symbolic() and (reciprocal := reciprocals.get(last.element_hash())) is not None:
+        if operation == ca.OP_DIV:
+            return first * reciprocal
+        if operation == ca.OP_INV:
+            return reciprocal
+    return ca.SX.unary(operation, first) if len(operands) == 1 else ca.SX.binary(operation, first, last)
