@@ -189,3 +189,76 @@ def test_a_foreign_netcdf_is_refused(tmp_path: Path) -> None:
     xr.Dataset({"a": ("t", [1.0])}).to_netcdf(tmp_path / "x.nc", engine="h5netcdf")
     with pytest.raises(ResultError, match="no result of hillobs"):
         load(tmp_path / "x.nc")
+
+
+# places of an HDF5 file that a random flip seldom meets: bytes to look for, which of them, which bit
+
+
+@pytest.mark.parametrize("part", [0.0, 0.001, 0.1, 0.5, 0.9, 0.999])
+def test_a_file_that_was_cut_is_refused(part: float, run: xr.Dataset, tmp_path: Path) -> None:
+    save(run, tmp_path)
+    path = tmp_path / "slack.nc"
+    path.write_bytes(path.read_bytes()[: int(part * path.stat().st_size)])
+    with pytest.raises(ResultError, match=r"slack\.nc cannot be read"):
+        load(path)
+
+
+ODD = [0.0, -0.0, 5e-324, -1e308, 1e-5, 0.1, 1 / 3, 1e22, 123456789.0, float("nan")]
+
+
+def test_every_double_is_read_back_from_netcdf_and_csv(run: xr.Dataset, tmp_path: Path) -> None:
+    odd = run.copy(deep=True)
+    odd.x.values[: len(ODD), 0] = ODD
+    save(odd, tmp_path)
+    back = load(tmp_path / "slack.nc")
+    assert back.x.values.tobytes() == odd.x.values.tobytes()
+    with (tmp_path / "slack.csv").open(newline="") as file:
+        next(file)
+        texts = [row["x1"] for row in csv.DictReader(file)][: len(ODD)]
+    assert np.array([float(t or "nan") for t in texts]).tobytes() == np.array(ODD).tobytes()
+
+
+@pytest.mark.parametrize("umask", [0o000, 0o077])
+def test_results_follow_the_umask(umask: int, run: xr.Dataset, tmp_path: Path) -> None:
+    before = os.umask(umask)
+    try:
+        save(run, tmp_path)
+    finally:
+        os.umask(before)
+    assert {path.stat().st_mode & 0o777 for path in tmp_path.iterdir()} == {0o666 & ~umask}
+
+
+def test_a_link_under_the_final_name_is_replaced_not_followed(tmp_path: Path) -> None:
+    (tmp_path / "victim").write_bytes(b"theirs")
+    (tmp_path / "out").symlink_to(tmp_path / "victim")
+    write_whole(tmp_path / "out", b"ours")
+    assert (tmp_path / "victim").read_bytes() == b"theirs"
+    assert (tmp_path / "out").read_bytes() == b"ours"
+    assert not (tmp_path / "out").is_symlink()
+
+
+@pytest.mark.parametrize("size", [1, 20_000, 60_000])
+def test_a_disk_that_fills_up_leaves_whole_files_or_none(size: int, run: xr.Dataset, tmp_path: Path) -> None:
+    """NetCDF, time series and measures: what is there under a final name is complete."""
+    save(run, tmp_path)
+    (tmp_path / "full").mkdir()
+    command = [sys.executable, "-c", SAVE, tmp_path / "slack.nc", tmp_path / "full", str(size)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert "cannot be written: File too large" in done.stdout
+    for path in (tmp_path / "full").iterdir():
+        assert path.suffix == ".csv"
+        assert path.read_bytes() == (tmp_path / path.name).read_bytes()
+
+
+SAVE = """
+import resource, sys
+from pathlib import Path
+from hillobs.studies.files import ResultError, load, save
+run = load(Path(sys.argv[1]))
+resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[3]),) * 2)
+try:
+    save(run, Path(sys.argv[2]))
+except ResultError as error:
+    print(error)
+"""
