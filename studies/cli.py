@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, NoReturn, TextIO
 
 import click
 
+from .quote import escaped
+
 if TYPE_CHECKING:
     import xarray as xr
     from rich.table import Table
@@ -230,7 +232,8 @@ def _print_answer(asked: Asked) -> None:
 def _print_report(dataset: xr.Dataset) -> None:
     from .report import notes, tables
 
-    click.echo(f"{dataset.attrs['scenario']}, seed {dataset.attrs['seed']}: {dataset.attrs['description']}\n")
+    about = dataset.attrs
+    click.echo(escaped(f"{about['scenario']}, seed {about['seed']}: {about['description']}") + "\n")
     for title, table in tables(dataset):
         click.echo(title)
         _print_table(table)
@@ -252,10 +255,11 @@ def _print_table(table: Table) -> None:
 def _progress(what: str) -> Iterator[Callable[[float], None]]:
     """A progress bar on the terminal's error stream; nothing where there is no terminal."""
     from rich.console import Console
+    from rich.markup import escape
     from rich.progress import Progress
 
     with Progress(console=Console(stderr=True), transient=True, disable=not sys.stderr.isatty()) as progress:
-        task = progress.add_task(what, total=1.0)
+        task = progress.add_task(escape(escaped(what)), total=1.0)
         yield lambda done: progress.update(task, completed=done)
 
 
@@ -270,8 +274,11 @@ def _user_errors() -> Iterator[None]:
     try:
         yield
         sys.stdout.flush()
-    except (ScenarioError, ResultError, BuildError, BlockError) as error:
+    except (ScenarioError, ResultError, BlockError) as error:
         _complain(str(error))
+        sys.exit(_USAGE)
+    except BuildError as error:  # the compiler's own words take several lines
+        click.echo("hillobs: " + "\n".join(map(escaped, str(error).splitlines())), err=True)
         sys.exit(_USAGE)
     except BrokenPipeError:  # before click sees it and exits with 1
         _leave_quietly()
@@ -290,7 +297,7 @@ def _show_warning(
 
 def _complain(sentence: str) -> None:
     """A sentence on the error stream; file names cannot smuggle control characters into a terminal."""
-    click.echo(f"hillobs: {_escaped(sentence)}", err=True)
+    click.echo(f"hillobs: {escaped(sentence)}", err=True)
 
 
 def _written(paths: list[Path]) -> str:
@@ -298,11 +305,7 @@ def _written(paths: list[Path]) -> str:
     data = [path.name for path in paths if path.suffix not in (".png", ".pdf")]
     drawn = (len(paths) - len(data)) // 2
     names = [*data, *([f"{drawn} figure{'s' if drawn > 1 else ''} as PNG and PDF"] if drawn else [])]
-    return _escaped(f"written to {paths[0].parent}/: {', '.join(names)}")
-
-
-def _escaped(text: str) -> str:
-    return "".join(c if c.isprintable() or c == "\n" else c.encode("unicode_escape").decode() for c in text)
+    return escaped(f"written to {paths[0].parent}/: {', '.join(names)}")
 
 
 def _leave_quietly() -> NoReturn:

@@ -58,7 +58,7 @@ def prepare(
     if clash := [block.name for block in custom if block.name in taken]:
         raise ScenarioError(f"the name {clash[0]!r} is taken; give your observer another one")
     every = full_table(custom)
-    if source not in shipped():
+    if str(source) not in shipped():
         try:
             scenario(name, content, {}, every)
         except ScenarioError as error:

@@ -258,6 +258,7 @@ FILES = {
     "bytes.toml": b"# \xff\n",
     "deep.toml": b"a = " + b"[" * 3000,
     "digits.toml": b"plant.m = " + b"9" * 5000,
+    "hexadecimal.toml": b"seed = 0x" + b"f" * 5000,
     "logical.toml": b"plant.m = true\n",
     "text.toml": b'plant.m = "1.5"\n',
     "date.toml": b"plant.m = 2020-01-01\n",
@@ -266,7 +267,9 @@ FILES = {
     "number.toml": b"plant = 1\n",
     "nan.toml": b"plant.m = nan\n",
     "huge.toml": b"#" * 2_000_000,
+    "zero.toml": b'description = "a\\u0000b"\nduration = 0.1\n',
     "run[bold].toml": b"plant.m = 0\n",
+    "new\nline.toml": b"plant.m = 0\n",
     "red\x1b[31m.toml": b"plant.m = 0\n",
     "-dash.toml": b"plant.m = 0\n",
     "=1+1.toml": b"plant.m = 0\n",
@@ -299,6 +302,32 @@ def test_a_good_file_with_an_odd_name_runs(name: str, command, tmp_path: Path) -
         f"{path.stem}{end}" for end in ("-measures.csv", ".csv", ".nc")
     ]
     assert not (tmp_path / "made").exists()
+
+
+@pytest.mark.parametrize(
+    "name", ["red\x1b[31m.toml", "bell\a.toml", "back\r.toml", "\x9b31m.toml", os.fsdecode(b"\xff.toml")]
+)
+def test_a_name_cannot_send_control_characters_to_the_terminal(name: str, command, tmp_path: Path) -> None:
+    (tmp_path / name).write_text("duration = 0.1\nscore.start = 0.05\n")
+    code, out, err = command("simulate", "--no-figures", "--", name)
+    assert code in (0, 2)
+    assert (out + err).replace("\n", "").isprintable()
+
+
+@pytest.mark.parametrize("character", ["\\u001b", "\\r", "\\u0007", "\\u009b", "\\u007f"])
+def test_a_description_cannot_send_control_characters_to_the_terminal(character: str, command, tmp_path: Path) -> None:
+    (tmp_path / "x.toml").write_text(f'description = "a{character}b"\nduration = 0.1\nscore.start = 0.05\n')
+    code, out, err = command("simulate", "--no-figures", "x.toml")
+    assert code in (0, 2)
+    assert (out + err).replace("\n", "").isprintable()
+
+
+def test_a_description_that_is_no_text_is_a_sentence(command, tmp_path: Path) -> None:
+    """An argument in another encoding than the terminal's reaches Python as lone surrogates."""
+    change = os.fsdecode(b"description=\xff")
+    code, out, err = command("simulate", *SHORT, "--set", change, "--no-figures", "--out", str(tmp_path))
+    assert (code, out) == (2, "")
+    assert err == "hillobs: description must be a text of whole characters without \\0, not '\\udcff'\n"
 
 
 def test_the_place_of_a_syntax_error_is_named(command, tmp_path: Path) -> None:

@@ -1,5 +1,6 @@
 """Scenarios: layers, groups, ties, and every way in which one can be wrong."""
 
+import datetime
 import json
 import random
 import tomllib
@@ -17,6 +18,7 @@ from hillobs.observers.ports import ESTIMATES
 from hillobs.studies.files import ResultError
 from hillobs.studies.loops import full_table
 from hillobs.studies.prepare import prepare
+from hillobs.studies.quote import shown
 from hillobs.studies.scenario import parse_change, read, scenario, shipped
 from hillobs.studies.show import show
 from hillobs.studies.simulate import simulate
@@ -163,6 +165,7 @@ def test_a_wrong_file_is_one_sentence(name: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("source", "message"),
     [
+        (None, "unknown scenario 'None'; there are paper-clean"),
         ("paper-cleam", "unknown scenario 'paper-cleam'; there are paper-clean, paper-noisy"),
         ("nowhere.toml", r"nowhere\.toml: cannot be read: No such file"),
         ("\0.toml", "cannot be read"),
@@ -272,13 +275,19 @@ def test_a_key_with_a_slip_of_the_finger_is_named_with_valid_ones(path: str, dat
 
 
 LEAVES = {
+    "table for a number": ("[plant]\nm = {}\n", r"plant\.m must be a number"),
+    "unknown empty table": ("[plnt]\n", "unknown path 'plnt'"),
+    "one path twice": ('"plant.m" = 2.0\n[plant]\nm = 3.0\n', r"plant\.m"),
     "array of tables": ("[[plant]]\nm = 1.0\n", "unknown path 'plant'"),
     "table below a number": ("[plant.m]\nx = 1.0\n", r"plant\.m"),
     "time": ("plant.m = 12:00:00\n", r"plant\.m must be a number"),
+    "hexadecimal digits in an array": (f"plant.m = [0x{'f' * 5000}]\n", r"plant\.m must be a number"),
+    "hexadecimal seed": (f"seed = 0x{'f' * 5000}\n", "seed must be a whole number"),
     "decimal digits": (f"plant.m = {'9' * 4000}\n", r"plant\.m must be a finite number"),
     "logical seed": ("seed = true\n", "seed must be a whole number"),
     "real seed": ("seed = 1.0\n", "seed must be a whole number"),
     "array for a choice": ('plant.drive = ["virtual"]\n', r"plant\.drive must be one of"),
+    "null character": ('description = "a\\u0000b"\n', "description"),
     "inline tables": ("a = " + "{a = " * 3000, "nested too deeply"),
     "carriage return": ("duration = 1.0\rstep = 1.0\n", "line 1"),
 }
@@ -298,6 +307,32 @@ def test_a_wrong_leaf_of_a_file_names_the_file(tmp_path: Path) -> None:
     path.write_text("[plant]\nm = 0\n")
     with pytest.raises(ScenarioError, match=r"mine\.toml.*plant\.m"):
         prepare(path, None, {})
+
+
+def test_a_path_is_a_text() -> None:
+    with pytest.raises(ScenarioError, match=r"a path must be a text such as plant\.m, not 3"):
+        simulate("paper-clean", changes={3: 1.0})  # type: ignore[dict-item]
+
+
+def test_a_path_object_may_name_a_shipped_scenario() -> None:
+    assert prepare(Path("paper-clean"), None, {}).scenario.name == "paper-clean"
+
+
+def test_values_are_shown_in_the_words_of_a_file() -> None:
+    day = datetime.date(2020, 1, 1)
+    assert shown([True, 1.5, "a\n", day, {"b": 1}, 10**5000]) == (
+        "[true, 1.5, 'a\\n', 2020-01-01, a table, a number of many digits]"
+    )
+    assert len(shown("\0" * 10_000)) < 200
+
+
+@pytest.mark.parametrize("key", ["a" + ".a" * 2000, "k" * 5000], ids=["deep", "long"])
+def test_a_sentence_about_a_key_is_short(key: str, tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text(f"{key} = 1\n")
+    with pytest.raises(ScenarioError) as caught:
+        prepare(path, None, {})
+    assert len(str(caught.value)) < 500 + len(str(path))
 
 
 def refusal(attempt: Callable[[], object]) -> str:
@@ -328,6 +363,14 @@ def test_a_period_far_below_the_step_is_no_way_to_switch_the_noise_off() -> None
 def test_a_pulse_that_ends_before_it_begins_is_refused() -> None:
     with pytest.raises(ScenarioError, match="pulse1"):
         prepare("paper-clean", None, {"pulse1.start": 3.0, "pulse1.stop": 2.0})
+
+
+@pytest.mark.parametrize("description", ["a\x7fb", "a\x85b\x9bc", 'a"b\\c\n\td', "Ünïcödé 😀"])
+def test_what_show_prints_can_be_read_whatever_the_description(description: str, tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    written = "".join(f"\\U{ord(c):08x}" for c in description)
+    path.write_text(f'description = "{written}"\n', encoding="utf-8")
+    assert tomllib.loads(show(str(path)))["description"] == description
 
 
 def own(name: str = "mine", default: float = 20.0, state: str = "", **outputs: float) -> Block:
