@@ -15,6 +15,7 @@ from ..model.block import Parameter
 from ..model.curves import NGUYEN2019
 from ..model.pair import DRIVES
 from .quote import short, shown
+from .reading import cause, read_whole
 from .table import ScenarioError, Table
 
 _SHIPPED = "hillobs.studies.scenarios"
@@ -117,13 +118,9 @@ def parse_number(what: str, text: str) -> float:
 
 def _parse(path: Path) -> dict[str, object]:
     try:
-        with path.open("rb") as file:
-            raw = file.read(_LARGEST_FILE + 1)
+        raw = read_whole(path, _LARGEST_FILE)
     except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) else str(error)
-        raise ScenarioError(f"{path}: cannot be read: {reason}") from error
-    if len(raw) > _LARGEST_FILE:
-        raise ScenarioError(f"{path}: larger than {_LARGEST_FILE} bytes, this is no scenario")
+        raise ScenarioError(f"{path}: cannot be read: {cause(error)}") from error
     if raw.startswith(b"\xef\xbb\xbf"):
         raise ScenarioError(f"{path}: begins with a byte-order mark (BOM); save it as UTF-8 without one")
     try:

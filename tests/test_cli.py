@@ -359,6 +359,12 @@ def test_an_output_that_is_no_folder_is_a_sentence(place: str, command, tmp_path
     assert (tmp_path / "file").read_text() == "mine"
 
 
+def test_an_output_that_is_a_file_is_called_one(command, tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("mine")
+    err = command("simulate", *SHORT, "--no-figures", "--out", "file")[2]
+    assert err == "hillobs: file cannot be written to: it is not a folder\n"
+
+
 def test_a_folder_without_rights_is_a_sentence(tmp_path: Path) -> None:
     """As a user who may not write there; an administrator may write everywhere."""
     locked = tmp_path / "locked"
@@ -380,6 +386,31 @@ def test_a_result_that_cannot_be_replaced_leaves_nothing_partial(command, tmp_pa
     assert code == 2
     assert err == "hillobs: o/paper-clean.csv cannot be written: Is a directory\n"
     assert not [p.name for p in (tmp_path / "o").iterdir() if p.name.startswith(".")]
+
+
+DAMAGE = {
+    "empty": lambda raw: b"",
+    "cut": lambda raw: raw[: len(raw) // 2],
+    "a page of zeros": lambda raw: raw[:4096] + bytes(4096) + raw[8192:],
+    "zeros at the end": lambda raw: raw[:-4096] + bytes(4096),
+    "text": lambda raw: b"t,x1\n0,1\n",
+}
+
+
+@pytest.mark.parametrize("how", DAMAGE)
+def test_figures_of_a_damaged_result_are_refused(how: str, command, tmp_path: Path) -> None:
+    command("simulate", "paper-clean", *SHORT, "--no-figures", "--out", ".")
+    path = tmp_path / "paper-clean.nc"
+    path.write_bytes(DAMAGE[how](path.read_bytes()))
+    # in a process of its own: a reader that is led astray by the damage may never come back
+    try:
+        done = in_a_process("-m", "hillobs", "figures", str(path), timeout=20)
+    except subprocess.TimeoutExpired:
+        pytest.fail("the reader hangs")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.startswith(f"hillobs: {path} ")
+    assert done.stderr.count("\n") == 1
+    assert not list(tmp_path.glob("*.p*f"))
 
 
 NUMERICAL = {
