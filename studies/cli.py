@@ -8,7 +8,7 @@ import sys
 import warnings
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, NoReturn, TextIO
+from typing import TYPE_CHECKING, TextIO
 
 import click
 
@@ -26,22 +26,29 @@ _USAGE, _NUMERICAL, _DEFICIENT, _INTERRUPTED, _READER_GONE = 2, 1, 1, 130, 141
 
 def main() -> None:
     """Run the command line and exit: 0 done, 1 numbers failed or rank deficient, 2 wrong input, 130 interrupted."""
+    # a closed stream is None; what it is given goes nowhere
+    sys.stdout, sys.stderr = (stream or os.fdopen(_nowhere(), "w") for stream in (sys.stdout, sys.stderr))
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")
     warnings.showwarning = _show_warning
+    stdout = sys.stdout
     try:
         commands(standalone_mode=False)
-        sys.stdout.flush()
-    except click.exceptions.Exit as done:
-        sys.exit(done.exit_code)
     except click.ClickException as error:
         _complain(error.format_message())
         sys.exit(_USAGE)
     except (click.Abort, KeyboardInterrupt):
         sys.exit(_INTERRUPTED)
-    except BrokenPipeError:
-        _leave_quietly()
+    except OSError as error:
+        _drop_output()
+        _complain(f"{error.filename or 'standard output'}: {error.strerror}")
+        sys.exit(_USAGE)
+    except SystemExit:
+        if sys.stdout is stdout:
+            raise
+        _drop_output()  # click has put it aside: its reader is gone
+        sys.exit(_READER_GONE)
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
@@ -273,15 +280,12 @@ def _user_errors() -> Iterator[None]:
 
     try:
         yield
-        sys.stdout.flush()
     except (ScenarioError, ResultError, BlockError) as error:
         _complain(str(error))
         sys.exit(_USAGE)
     except BuildError as error:  # the compiler's own words take several lines
         click.echo("hillobs: " + "\n".join(map(escaped, str(error).splitlines())), err=True)
         sys.exit(_USAGE)
-    except BrokenPipeError:  # before click sees it and exits with 1
-        _leave_quietly()
 
 
 def _show_warning(
@@ -297,7 +301,8 @@ def _show_warning(
 
 def _complain(sentence: str) -> None:
     """A sentence on the error stream; file names cannot smuggle control characters into a terminal."""
-    click.echo(f"hillobs: {escaped(sentence)}", err=True)
+    with contextlib.suppress(OSError):  # without a listener the exit code says it
+        click.echo(f"hillobs: {escaped(sentence)}", err=True)
 
 
 def _written(paths: list[Path]) -> str:
@@ -308,7 +313,10 @@ def _written(paths: list[Path]) -> str:
     return escaped(f"written to {paths[0].parent}/: {', '.join(names)}")
 
 
-def _leave_quietly() -> NoReturn:
-    """The reader of a pipe is gone: what is left in the buffer goes nowhere."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-    sys.exit(_READER_GONE)
+def _drop_output() -> None:
+    """What is left in the buffer of standard output goes nowhere."""
+    os.dup2(_nowhere(), sys.stdout.fileno())
+
+
+def _nowhere() -> int:
+    return os.open(os.devnull, os.O_WRONLY)
