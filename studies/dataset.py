@@ -50,12 +50,11 @@ def dataset(prepared: Prepared, traces: Mapping[str, Trace], library: str) -> xr
     }
     if "r" in signal:
         data["r"] = (("time",), signal["r"], _about(SIGNALS["r"].sentence))
-    for block in loop.observers:
-        for i, state in enumerate(block.x):
-            if block.name in observers and state not in block.y:
-                about = SIGNALS[state].sentence if state in SIGNALS else f"state {state}"
-                attributes = _about(f"{block.name}: {about}") | {"observer": block.name, "state": state}
-                data[f"{block.name}_{state}"] = (("time",), traces[block.name].x[:, i], attributes)
+    states = {block.name: list(block.x) for block in loop.observers}
+    for variable, observer, state in prepared.own_states():
+        about = SIGNALS[state].sentence if state in SIGNALS else f"state {state}"
+        attributes = _about(f"{observer}: {about}") | {"observer": observer, "state": state}
+        data[variable] = (("time",), traces[observer].x[:, states[observer].index(state)], attributes)
     points = max(0, grid.steps - grid.window + 1)
     scores = {name: traces[name].score for name in estimators}
     if truth.failure:  # the sums stop with the truth, they are no measures of the run

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from hillobs.model.block import Block, BlockError, Parameter, Symbols, symbols
 from hillobs.observers.ports import ESTIMATES
-from hillobs.studies.files import ResultError
+from hillobs.studies.files import ResultError, save
 from hillobs.studies.loops import full_table
 from hillobs.studies.prepare import prepare
 from hillobs.studies.quote import shown
@@ -365,6 +365,13 @@ def test_a_pulse_that_ends_before_it_begins_is_refused() -> None:
         prepare("paper-clean", None, {"pulse1.start": 3.0, "pulse1.stop": 2.0})
 
 
+@pytest.mark.parametrize("value", [1.5, 2.0])
+def test_a_force_factor_at_the_pole_is_refused(value: float) -> None:
+    """g⁻¹ has its pole at g_max = 1.5; beyond it a muscle that lengthens comes out as one that shortens."""
+    with pytest.raises(ScenarioError, match=r"z_max|g_max"):
+        prepare("activation", None, {"plant.z_max": value})
+
+
 @pytest.mark.parametrize("description", ["a\x7fb", "a\x85b\x9bc", 'a"b\\c\n\td', "Ünïcödé 😀"])
 def test_what_show_prints_can_be_read_whatever_the_description(description: str, tmp_path: Path) -> None:
     path = tmp_path / "mine.toml"
@@ -396,6 +403,25 @@ def test_a_name_that_cannot_be_is_a_sentence(name: str) -> None:
         return
     run = simulate("paper-clean", [own(name)], BRIEF)
     assert json.loads(run.attrs["parameters"])[f"{name}.gain"] == 20.0
+
+
+@pytest.mark.parametrize(("name", "state"), [("x", "hat"), ("mine", "a/b"), ("mine", "a\0b")])
+def test_a_state_of_ones_own_hides_nothing_and_can_be_written(name: str, state: str, tmp_path: Path) -> None:
+    if sentence := refusal(lambda: save(simulate("paper-clean", [own(name, state=state)], BRIEF), tmp_path)):
+        assert repr(state)[1:-1] in sentence
+        return
+    run = simulate("paper-clean", [own(name, state=state)], BRIEF)
+    assert run.x_hat.dims == ("observer", "time", "state")
+    assert run.u_hat.dims == ("observer", "time", "muscle")
+
+
+def test_two_states_of_two_observers_do_not_share_a_variable() -> None:
+    two = [own("a", state="b_c"), own("a_b", state="c")]
+    if sentence := refusal(lambda: simulate("paper-clean", two, BRIEF)):
+        assert "a_b" in sentence
+        return
+    run = simulate("paper-clean", two, BRIEF)
+    assert {v.attrs["observer"] for v in run.data_vars.values() if "state" in v.attrs} == {"a", "a_b"}
 
 
 def test_one_activation_of_ones_own_is_kept_or_refused() -> None:
@@ -434,6 +460,12 @@ def test_states_move_at_samples_and_at_steps() -> None:
     counts = {w: simulate("paper-noisy", [sampled(w)], settings_of_run).counter_n for w in ("next", "per_step")}
     assert counts["next"].values.tolist() == [1, 3, 5, 7, 9, 11]
     assert counts["per_step"].values.tolist() == [1, 21, 41, 61, 81, 101]
+
+
+def test_a_sampled_observer_without_samples_is_said() -> None:
+    """noise.period = 0 switches the samples off too: an observer that moves at samples stands still."""
+    with pytest.raises((ScenarioError, BlockError), match=r"counter|sample"):
+        simulate("paper-noisy", [sampled("next")], {**BRIEF, "noise.period": 0.0})
 
 
 def test_an_observer_with_other_ports_is_refused_by_name() -> None:
