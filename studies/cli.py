@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 # exit codes; a rank that is not full is no failure, but a script must see it
 _USAGE, _NUMERICAL, _DEFICIENT, _INTERRUPTED, _READER_GONE = 2, 1, 1, 130, 141
+# a narrow terminal may wrap the lines of a table, nothing may cut its numbers
+_TABLE_WIDTH = 120
 
 
 def main() -> None:
@@ -253,6 +255,7 @@ def _print_table(table: Table) -> None:
     from rich.console import Console
 
     console = Console()
+    console.width = max(console.width, _TABLE_WIDTH)
     with console.capture() as text:
         console.print(table)
     click.echo(text.get())

@@ -435,6 +435,16 @@ def test_each_observer_that_fails_leaves_the_others_as_they_were(observer: str, 
             assert good == bad
 
 
+def test_an_unstable_gain_is_not_blamed_on_the_step(command) -> None:
+    """h11 < 0 is unstable for every step; its gain condition is violated and says so."""
+    run = ["simulate", "paper-clean", "--set", "high_gain.h11=-5", "--observer", "high_gain", "--no-figures"]
+    code, out, err = command(*run)
+    assert code == 1
+    assert "gain condition of HGO: h11 > 0" in out or "h₁₁" in out
+    assert "gain" in err
+    assert "step" not in err
+
+
 def test_a_plant_outside_its_domain_is_named_and_has_no_measures(command, tmp_path: Path) -> None:
     far = ["--set", "plant.C=2", *SHORT]
     code, out, err = command("simulate", "paper-clean", *far, "--no-figures")
@@ -462,6 +472,19 @@ def test_a_short_run_says_nothing_of_conditions_it_cannot_check(command) -> None
     )
     assert code == 0
     assert "nan" not in out
+
+
+def test_no_number_of_a_table_is_cut_in_a_narrow_terminal(command, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "40")
+    _, out, _ = command("simulate", "paper-noisy", *SHORT, "--no-figures")
+    assert "…" not in out
+
+
+def test_what_did_not_settle_keeps_its_column(command) -> None:
+    _, out, _ = command("simulate", "paper-noisy", *SHORT, "--no-figures")
+    table = out.partition("settling time")[2].splitlines()
+    assert table[1].split() == ["x1", "x2", "x3", "x4", "Delta", "u1", "u2", "a1", "a2"]
+    assert "–" in table[2]
 
 
 CLOSED = ["list", "show paper-clean", "info", "simulate paper-clean --no-figures --set duration=0.1 --out OUT"]

@@ -438,6 +438,13 @@ def test_a_default_out_of_its_own_bounds_is_refused(default: float) -> None:
         simulate("paper-clean", [own(default=default)], BRIEF)
 
 
+def test_an_observer_that_leaves_its_own_domain_is_named() -> None:
+    block = own()
+    failing = replace(block, domain=Symbols(room=2.2 - block.x.x1_hat))
+    run = simulate("paper-clean", [failing], BRIEF)
+    assert json.loads(run.attrs["failures"])["mine"].startswith("mine: room, which must stay positive, is not at τ = ")
+
+
 def test_a_held_input_is_held() -> None:
     """The same observer with y1 held over a step must not be the one that sees it move."""
     moving, held = (
