@@ -179,6 +179,7 @@ def observability(
 ) -> None:
     """Say what these sensors determine at a point of SCENARIO; exit code 0 for full rank, 1 for less."""
     with _user_errors():
+        from .files import writable_folder
         from .observability_report import answer_question, check_axes, write_along, write_map
         from .scenario import parse_change
 
@@ -186,6 +187,9 @@ def observability(
         asked = answer_question(scenario, given, place, outputs, unknown, order, tolerance, signals)
         if axes is not None:
             check_axes(asked, axes)
+        folder = Path(out)
+        if along or axes is not None:
+            writable_folder(folder)
         if as_json:
             click.echo(asked.json())
         else:
@@ -193,7 +197,7 @@ def observability(
         for wanted, write in ((along, write_along), (axes is not None, write_map)):
             if wanted:
                 with _progress("observability") as advance:
-                    sentence, paths = write(asked, Path(out), axes or "", advance)
+                    sentence, paths = write(asked, folder, axes or "", advance)
                 click.echo(f"{sentence}\n{_written(paths)}", err=as_json)
     sys.exit(0 if asked.answer.verdict.full else _DEFICIENT)
 

@@ -15,6 +15,7 @@ from ..model.pulses import PULSES
 from ..model.symbols import MUSCLES, hat
 from ..observers import OBSERVERS
 from .loops import full_table, paper_loop
+from .quote import shown
 from .scenario import Scenario, Value, read, scenario, shipped
 from .table import ScenarioError, Table
 
@@ -60,7 +61,7 @@ def prepare(
     known = [*OBSERVERS, *(block.name for block in custom)]
     for observer in chosen:
         if observer not in known:
-            raise ScenarioError(f"unknown observer {observer!r}; there are {', '.join(known)}")
+            raise ScenarioError(f"unknown observer {shown(observer)}; there are {', '.join(known)}")
     taken = {"truth", *(path.partition(".")[0] for path in (*full_table().paths, *full_table().groups()))}
     if clash := [block.name for block in custom if block.name in taken]:
         raise ScenarioError(f"the name {clash[0]!r} is taken; give your observer another one")

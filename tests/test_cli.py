@@ -93,6 +93,7 @@ BAD = [
     ["observability", "--tolerance", "2"],
     ["observability", "--map", "x3"],
     ["observability", "--map", "x3,q"],
+    ["observability", "--map", "x3,x4", "--out", "/dev/null"],
     ["nonsense"],
 ]
 
@@ -106,6 +107,29 @@ def test_a_mistake_is_one_sentence_and_exit_code_2(arguments: list[str], command
     assert err.startswith("hillobs: ")
     assert err.count("\n") == 1
     assert "Traceback" not in err
+
+
+LONG = "k" * 3000
+ECHOES = [
+    ["simulate", LONG],
+    ["simulate", "--set", LONG],
+    ["simulate", "--set", f"{LONG}=1"],
+    ["simulate", "--set", f"plant.m={LONG}"],
+    ["simulate", "--observer", LONG],
+    ["observability", "--at", LONG],
+    ["observability", "--outputs", LONG],
+    ["observability", "--unknown", LONG],
+    ["observability", "--order", LONG],
+    ["observability", "--map", LONG],
+    ["observability", "--map", f"x3,{LONG}"],
+]
+
+
+@pytest.mark.parametrize("arguments", ECHOES, ids=lambda words: " ".join(words).replace(LONG, "LONG"))
+def test_a_long_word_is_quoted_short(arguments: list[str], command) -> None:
+    code, _, err = command(*arguments)
+    assert code == 2
+    assert len(err) < 500
 
 
 def test_an_observer_that_fails_is_named_and_the_others_are_kept(command, tmp_path: Path) -> None:
