@@ -8,9 +8,11 @@ import sys
 import warnings
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, NoReturn, TextIO
+from typing import TYPE_CHECKING, TextIO
 
 import click
+
+from .quote import escaped
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -20,26 +22,35 @@ if TYPE_CHECKING:
 
 # exit codes; a rank that is not full is no failure, but a script must see it
 _USAGE, _NUMERICAL, _DEFICIENT, _INTERRUPTED, _READER_GONE = 2, 1, 1, 130, 141
+# a narrow terminal may wrap the lines of a table, nothing may cut its numbers
+_TABLE_WIDTH = 120
 
 
 def main() -> None:
     """Run the command line and exit: 0 done, 1 numbers failed or rank deficient, 2 wrong input, 130 interrupted."""
+    # a closed stream is None; what it is given goes nowhere
+    sys.stdout, sys.stderr = (stream or os.fdopen(_nowhere(), "w") for stream in (sys.stdout, sys.stderr))
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")
     warnings.showwarning = _show_warning
+    stdout = sys.stdout
     try:
         commands(standalone_mode=False)
-        sys.stdout.flush()
-    except click.exceptions.Exit as done:
-        sys.exit(done.exit_code)
     except click.ClickException as error:
         _complain(error.format_message())
         sys.exit(_USAGE)
     except (click.Abort, KeyboardInterrupt):
         sys.exit(_INTERRUPTED)
-    except BrokenPipeError:
-        _leave_quietly()
+    except OSError as error:
+        _drop_output()
+        _complain(f"{error.filename or 'standard output'}: {error.strerror}")
+        sys.exit(_USAGE)
+    except SystemExit:
+        if sys.stdout is stdout:
+            raise
+        _drop_output()  # click has put it aside: its reader is gone
+        sys.exit(_READER_GONE)
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
@@ -168,6 +179,7 @@ def observability(
 ) -> None:
     """Say what these sensors determine at a point of SCENARIO; exit code 0 for full rank, 1 for less."""
     with _user_errors():
+        from .files import writable_folder
         from .observability_report import answer_question, check_axes, write_along, write_map
         from .scenario import parse_change
 
@@ -175,6 +187,9 @@ def observability(
         asked = answer_question(scenario, given, place, outputs, unknown, order, tolerance, signals)
         if axes is not None:
             check_axes(asked, axes)
+        folder = Path(out)
+        if along or axes is not None:
+            writable_folder(folder)
         if as_json:
             click.echo(asked.json())
         else:
@@ -182,7 +197,7 @@ def observability(
         for wanted, write in ((along, write_along), (axes is not None, write_map)):
             if wanted:
                 with _progress("observability") as advance:
-                    sentence, paths = write(asked, Path(out), axes or "", advance)
+                    sentence, paths = write(asked, folder, axes or "", advance)
                 click.echo(f"{sentence}\n{_written(paths)}", err=as_json)
     sys.exit(0 if asked.answer.verdict.full else _DEFICIENT)
 
@@ -230,7 +245,8 @@ def _print_answer(asked: Asked) -> None:
 def _print_report(dataset: xr.Dataset) -> None:
     from .report import notes, tables
 
-    click.echo(f"{dataset.attrs['scenario']}, seed {dataset.attrs['seed']}: {dataset.attrs['description']}\n")
+    about = dataset.attrs
+    click.echo(escaped(f"{about['scenario']}, seed {about['seed']}: {about['description']}") + "\n")
     for title, table in tables(dataset):
         click.echo(title)
         _print_table(table)
@@ -243,6 +259,7 @@ def _print_table(table: Table) -> None:
     from rich.console import Console
 
     console = Console()
+    console.width = max(console.width, _TABLE_WIDTH)
     with console.capture() as text:
         console.print(table)
     click.echo(text.get())
@@ -252,10 +269,11 @@ def _print_table(table: Table) -> None:
 def _progress(what: str) -> Iterator[Callable[[float], None]]:
     """A progress bar on the terminal's error stream; nothing where there is no terminal."""
     from rich.console import Console
+    from rich.markup import escape
     from rich.progress import Progress
 
     with Progress(console=Console(stderr=True), transient=True, disable=not sys.stderr.isatty()) as progress:
-        task = progress.add_task(what, total=1.0)
+        task = progress.add_task(escape(escaped(what)), total=1.0)
         yield lambda done: progress.update(task, completed=done)
 
 
@@ -269,12 +287,12 @@ def _user_errors() -> Iterator[None]:
 
     try:
         yield
-        sys.stdout.flush()
-    except (ScenarioError, ResultError, BuildError, BlockError) as error:
+    except (ScenarioError, ResultError, BlockError) as error:
         _complain(str(error))
         sys.exit(_USAGE)
-    except BrokenPipeError:  # before click sees it and exits with 1
-        _leave_quietly()
+    except BuildError as error:  # the compiler's own words take several lines
+        click.echo("hillobs: " + "\n".join(map(escaped, str(error).splitlines())), err=True)
+        sys.exit(_USAGE)
 
 
 def _show_warning(
@@ -290,7 +308,8 @@ def _show_warning(
 
 def _complain(sentence: str) -> None:
     """A sentence on the error stream; file names cannot smuggle control characters into a terminal."""
-    click.echo(f"hillobs: {_escaped(sentence)}", err=True)
+    with contextlib.suppress(OSError):  # without a listener the exit code says it
+        click.echo(f"hillobs: {escaped(sentence)}", err=True)
 
 
 def _written(paths: list[Path]) -> str:
@@ -298,14 +317,13 @@ def _written(paths: list[Path]) -> str:
     data = [path.name for path in paths if path.suffix not in (".png", ".pdf")]
     drawn = (len(paths) - len(data)) // 2
     names = [*data, *([f"{drawn} figure{'s' if drawn > 1 else ''} as PNG and PDF"] if drawn else [])]
-    return _escaped(f"written to {paths[0].parent}/: {', '.join(names)}")
+    return escaped(f"written to {paths[0].parent}/: {', '.join(names)}")
 
 
-def _escaped(text: str) -> str:
-    return "".join(c if c.isprintable() or c == "\n" else c.encode("unicode_escape").decode() for c in text)
+def _drop_output() -> None:
+    """What is left in the buffer of standard output goes nowhere."""
+    os.dup2(_nowhere(), sys.stdout.fileno())
 
 
-def _leave_quietly() -> NoReturn:
-    """The reader of a pipe is gone: what is left in the buffer goes nowhere."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-    sys.exit(_READER_GONE)
+def _nowhere() -> int:
+    return os.open(os.devnull, os.O_WRONLY)

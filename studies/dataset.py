@@ -50,12 +50,11 @@ def dataset(prepared: Prepared, traces: Mapping[str, Trace], library: str) -> xr
     }
     if "r" in signal:
         data["r"] = (("time",), signal["r"], _about(SIGNALS["r"].sentence))
-    for block in loop.observers:
-        for i, state in enumerate(block.x):
-            if block.name in observers and state not in block.y:
-                about = SIGNALS[state].sentence if state in SIGNALS else f"state {state}"
-                attributes = _about(f"{block.name}: {about}") | {"observer": block.name, "state": state}
-                data[f"{block.name}_{state}"] = (("time",), traces[block.name].x[:, i], attributes)
+    states = {block.name: list(block.x) for block in loop.observers}
+    for variable, observer, state in prepared.own_states():
+        about = SIGNALS[state].sentence if state in SIGNALS else f"state {state}"
+        attributes = _about(f"{observer}: {about}") | {"observer": observer, "state": state}
+        data[variable] = (("time",), traces[observer].x[:, states[observer].index(state)], attributes)
     points = max(0, grid.steps - grid.window + 1)
     scores = {name: traces[name].score for name in estimators}
     if truth.failure:  # the sums stop with the truth, they are no measures of the run
@@ -96,9 +95,13 @@ def _manifest(prepared: Prepared, traces: Mapping[str, Trace], library: str) -> 
     used = [path for block in prepared.loop.blocks for path in block_paths(block)]
     values = {path: prepared.value(path) for path in dict.fromkeys([*every.paths, *used])}
     guards = {name: {g: t for g, t in trace.guards.items() if t > 0} for name, trace in traces.items()}
-    failures = {name: _explain(name, trace.failure) for name, trace in traces.items() if trace.failure}
     checked = gain_conditions(prepared, traces["truth"])
-    violated = {name: [str(c) for c in conditions if not c.holds] for name, conditions in checked.items()}
+    violated = {name: [c for c in conditions if not c.holds] for name, conditions in checked.items()}
+    failures = {
+        name: _explain(name, trace.failure, [c.name for c in violated.get(name, [])])
+        for name, trace in traces.items()
+        if trace.failure
+    }
     return {
         "Conventions": "CF-1.11",
         "title": f"hillobs: {scenario.name}",
@@ -111,7 +114,7 @@ def _manifest(prepared: Prepared, traces: Mapping[str, Trace], library: str) -> 
         "unused": json.dumps(_unused(prepared)),
         "guards": json.dumps({name: times for name, times in guards.items() if times}),
         "failures": json.dumps(failures),
-        "violated_conditions": json.dumps({name: words for name, words in violated.items() if words}),
+        "violated_conditions": json.dumps({name: [str(c) for c in some] for name, some in violated.items() if some}),
         "library": library,
         "versions": json.dumps(versions()),
     }
@@ -125,18 +128,20 @@ def _unused(prepared: Prepared) -> list[str]:
     return [path for path in prepared.scenario.given if path not in used]
 
 
-def _explain(name: str, failure: Failure) -> str:
-    """What failed, when, and the likely reason."""
+def _explain(name: str, failure: Failure, violated: Sequence[str]) -> str:
+    """What failed, when, and the likely reason; `violated` names the gain conditions that do not hold."""
     plant = name == "truth"
     who, at = "the plant" if plant else name, f"at τ = {failure.time:g}"
+    if failure.group == "domain" and not plant:
+        return f"{who}: {failure.name}, which must stay positive, is not {at}"
     if failure.group == "domain":
         what = "fibre" if "L_C" in failure.name else "tendon"
         if failure.time == 0:
             return f"{who}: it starts outside its domain, the {what} length {failure.name} is not positive"
         return f"{who}: the {what} length {failure.name} reached 0 {at}: the mass is pulled beyond what a muscle can be"
-    reason = (
-        "the step is likely too large for the gains, try a smaller one"
-        if not plant
-        else "the parameters or the reference ask for more than the muscles can give"
-    )
+    reason = "the step is likely too large for the gains, try a smaller one"
+    if plant:
+        reason = "the parameters or the reference ask for more than the muscles can give"
+    elif violated:
+        reason = f"gain conditions that do not hold: {', '.join(violated)}"
     return f"{who}: {failure.name} is not a finite number {at}; {reason}"

@@ -6,10 +6,9 @@ import contextlib
 import csv
 import hashlib
 import io
-import json
 import os
 import tempfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -18,10 +17,13 @@ import xarray as xr
 from ..codegen.library import Array
 from ..model.symbols import MEASURED, STATES, hat
 from .measures import Measure
+from .reading import cause, read_whole
 
 # an observer's estimates in the order of a CSV file; its further states follow
 _ESTIMATES = ("x1_hat", "x2_hat", "Delta_hat", "x3_hat", "u1_hat", "x4_hat", "u2_hat")
-_CHECKSUM = "checksum"
+# a million recorded points are 1 GB before they are compressed
+_LARGEST_FILE = 2_000_000_000
+_SEAL_SIZE = 40
 
 
 class ResultError(ValueError):
@@ -53,8 +55,10 @@ def writable_folder(folder: Path) -> Path:
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
             return folder
+    except FileExistsError as error:
+        raise ResultError(f"{folder} cannot be written to: it is not a folder") from error
     except (OSError, ValueError) as error:
-        raise ResultError(f"{folder} cannot be written to: {getattr(error, 'strerror', None) or error}") from error
+        raise ResultError(f"{folder} cannot be written to: {cause(error)}") from error
 
 
 def refuse_same_names(names: Sequence[str]) -> None:
@@ -77,21 +81,24 @@ def save(dataset: xr.Dataset, folder: Path) -> list[Path]:
 
 
 def save_netcdf(dataset: xr.Dataset, path: Path) -> None:
-    """A Dataset as NetCDF, every variable compressed, with a checksum of its attributes."""
+    """A Dataset as NetCDF, every variable compressed, with a seal behind it."""
     write_whole(path, _netcdf(dataset))
 
 
 def load(path: Path) -> xr.Dataset:
-    """A Dataset that `save` has written. ResultError if it is not one, or damaged."""
+    """A run that `save` has written. ResultError if it is none, or damaged."""
     try:
-        with xr.open_dataset(path, engine="h5netcdf") as file:
-            dataset = file.load()
-    except (OSError, ValueError, RuntimeError, KeyError) as error:
-        number = error.errno if isinstance(error, OSError) else None
-        reason = os.strerror(number) if number else "it is no NetCDF file, or it is damaged"
-        raise ResultError(f"{path} cannot be read: {reason}") from error
-    if dataset.attrs.get(_CHECKSUM) != _checksum(dataset.attrs):
-        raise ResultError(f"{path} is no result of hillobs, or its attributes are damaged")
+        raw = read_whole(path, _LARGEST_FILE)
+    except (OSError, ValueError) as error:
+        raise ResultError(f"{path} cannot be read: {cause(error)}") from error
+    content, seal = raw[:-_SEAL_SIZE], raw[-_SEAL_SIZE:]
+    # before HDF5 sees it, which reads damage as other numbers or without end
+    if seal != _seal(content):
+        raise ResultError(f"{path} cannot be read: it is no result of hillobs, or it is damaged")
+    with xr.open_dataset(io.BytesIO(content), engine="h5netcdf") as file:
+        dataset = file.load()
+    if "x_hat" not in dataset:
+        raise ResultError(f"{path} cannot be read as a run: it has no estimates")
     return dataset
 
 
@@ -165,19 +172,17 @@ def _written(value: float) -> str:
 
 
 def _netcdf(dataset: xr.Dataset) -> bytes:
-    """The file in memory, every variable compressed: damage is then found by the reader."""
+    """The file in memory, every variable compressed; readers of HDF5 pass over the seal behind it."""
     encoding = {
         str(name): {"zlib": True, "complevel": 1, **({"dtype": "S1"} if variable.dtype.kind == "U" else {})}
         for name, variable in dataset.variables.items()
     }
-    signed = dataset.assign_attrs({_CHECKSUM: _checksum(dataset.attrs)})
-    return bytes(signed.to_netcdf(engine="h5netcdf", encoding=encoding))
+    content = bytes(dataset.to_netcdf(engine="h5netcdf", encoding=encoding))
+    return content + _seal(content)
 
 
-def _checksum(attributes: Mapping[str, object]) -> str:
-    """SHA-256 of the attributes, which NetCDF itself does not protect."""
-    content = {key: str(value) for key, value in attributes.items() if key != _CHECKSUM}
-    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
+def _seal(content: bytes) -> bytes:
+    return b"hillobs " + hashlib.sha256(content).digest()
 
 
 def _sync_folder(folder: Path) -> None:

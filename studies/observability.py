@@ -32,6 +32,7 @@ from ..observers.observability import (
 )
 from .information import deviations
 from .prepare import Prepared, prepare
+from .quote import shown
 from .scenario import Value
 from .table import ScenarioError
 
@@ -118,7 +119,7 @@ def observability(
     question = ask(prepared, sensors, unknown, order)
     valid = [*question.block.x, *question.block.u]
     if wrong := [name for name in place or {} if name not in valid]:
-        raise ScenarioError(f"no coordinate {wrong[0]!r}; there are {', '.join(valid)}")
+        raise ScenarioError(f"no coordinate {shown(wrong[0])}; there are {', '.join(valid)}")
     return at(question, start_point(prepared) | dict(place or {}))
 
 
@@ -138,9 +139,9 @@ def ask(
         raise ScenarioError(f"without a sensor nothing can be observed; there are {', '.join(SENSORS)}")
     for name in sensors:
         if name not in SENSORS:
-            raise ScenarioError(f"unknown sensor {name!r}; there are {', '.join(SENSORS)}")
+            raise ScenarioError(f"unknown sensor {shown(name)}; there are {', '.join(SENSORS)}")
     if unknown not in UNKNOWNS:
-        raise ScenarioError(f"unknown inputs {unknown!r}; there are {', '.join(UNKNOWNS)}")
+        raise ScenarioError(f"unknown inputs {shown(unknown)}; there are {', '.join(UNKNOWNS)}")
     curves = CURVES[prepared.scenario.choices.get("muscle.curves", NGUYEN2019.name)]
     if not 0 <= derivatives <= _HIGHEST:
         raise ScenarioError(f"the derivatives of the unknowns must be from 0 to {_HIGHEST}, not {derivatives}")

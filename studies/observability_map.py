@@ -18,6 +18,7 @@ from ..model.symbols import MUSCLES, SIGNALS
 from ..observers.observability import TOLERANCE
 from .observability import Question, determinant, matrices, rank_and_conditioning
 from .prepare import Prepared
+from .quote import shown
 from .simulate import Progress, RunWarning, simulate_prepared
 from .table import ScenarioError
 
@@ -78,7 +79,7 @@ def over(
 def axis_ranges(question: Question, axes: Sequence[str], point: Mapping[str, float]) -> dict[str, tuple[float, float]]:
     """The two axes of a map and where they begin and end. ScenarioError if they are not two, or not there."""
     if len(axes) != 2 or axes[0] == axes[1]:
-        raise ScenarioError(f"a map has two different axes, such as x3,x4 or x1,{TENSION}, not {','.join(axes)}")
+        raise ScenarioError(f"a map has two different axes, such as x3,x4 or x1,{TENSION}, not {shown(','.join(axes))}")
     return {axis: _range(question, axis, point) for axis in axes}
 
 
@@ -96,7 +97,7 @@ def _range(question: Question, axis: str, point: Mapping[str, float]) -> tuple[f
         return -0.1 * toe, 1.2 * toe
     if axis not in (*question.block.x, *question.block.u):
         valid = [*question.block.x, *question.block.u, TENSION]
-        raise ScenarioError(f"unknown axis {axis!r}; there are {', '.join(valid)}")
+        raise ScenarioError(f"unknown axis {shown(axis)}; there are {', '.join(valid)}")
     if axis in ("x3", "x4"):
         slack, end = tendon_edges(question, MUSCLES[int(axis[1]) - 3])
         return slack - (end - slack) / 2, end + (end - slack) / 2

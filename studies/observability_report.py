@@ -16,9 +16,10 @@ from rich.table import Table
 from rich.text import Text
 
 from ..observers.observability import TOLERANCE
-from .files import save_netcdf, writable_folder
+from .files import save_netcdf
 from .observability import Answer, Question, ask, at, start_point
 from .prepare import Prepared, prepare
+from .quote import shown
 from .report import number
 from .scenario import Value, parse_number
 from .simulate import Progress
@@ -179,7 +180,7 @@ def write_map(asked: Asked, folder: Path, axes: str, progress: Progress) -> tupl
 def _write(data: xr.Dataset, drawn: Mapping[str, Figure], folder: Path, stem: str, key: str) -> list[Path]:
     from .figures import write_figures
 
-    path = writable_folder(folder) / f"{stem}-{key}.nc"
+    path = folder / f"{stem}-{key}.nc"
     save_netcdf(data, path)
     return [path, *write_figures(drawn, folder, stem)]
 
@@ -193,14 +194,14 @@ def _place(text: str, question: Question) -> dict[str, float]:
         if name in result:
             raise ScenarioError(f"--at gives {name} twice")
         if not equals or name not in valid:
-            raise ScenarioError(f"--at takes NAME=VALUE with the names {', '.join(valid)}, not {part!r}")
+            raise ScenarioError(f"--at takes NAME=VALUE with the names {', '.join(valid)}, not {shown(part)}")
         result[name] = parse_number(f"--at {name}", value)
     return result
 
 
 def _whole(what: str, text: str) -> int:
     if not re.fullmatch(r"[+-]?\d{1,6}", text, re.ASCII):
-        raise ScenarioError(f"{what} must be a whole number, not {text!r}")
+        raise ScenarioError(f"{what} must be a whole number, not {shown(text)}")
     return int(text)
 
 

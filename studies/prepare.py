@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,8 +12,10 @@ from ..codegen.memory import Grid
 from ..model.block import Block
 from ..model.curves import CURVES, NGUYEN2019
 from ..model.pulses import PULSES
+from ..model.symbols import MUSCLES, hat
 from ..observers import OBSERVERS
 from .loops import full_table, paper_loop
+from .quote import shown
 from .scenario import Scenario, Value, read, scenario, shipped
 from .table import ScenarioError, Table
 
@@ -40,6 +42,12 @@ class Prepared:
         """The number at `path`."""
         return self.table.value(path, self.scenario.given)
 
+    def own_states(self) -> Iterator[tuple[str, str, str]]:
+        """Variable of the result, observer and state, for each state that is no estimate."""
+        for block in self.loop.observers:
+            if block.name in self.observers:
+                yield from ((f"{block.name}_{state}", block.name, state) for state in block.x if state not in block.y)
+
 
 def prepare(
     source: str | Path, observers: Sequence[str | Block] | str | Block | None, changes: Mapping[str, Value]
@@ -53,12 +61,12 @@ def prepare(
     known = [*OBSERVERS, *(block.name for block in custom)]
     for observer in chosen:
         if observer not in known:
-            raise ScenarioError(f"unknown observer {observer!r}; there are {', '.join(known)}")
+            raise ScenarioError(f"unknown observer {shown(observer)}; there are {', '.join(known)}")
     taken = {"truth", *(path.partition(".")[0] for path in (*full_table().paths, *full_table().groups()))}
     if clash := [block.name for block in custom if block.name in taken]:
         raise ScenarioError(f"the name {clash[0]!r} is taken; give your observer another one")
     every = full_table(custom)
-    if source not in shipped():
+    if str(source) not in shipped():
         try:
             scenario(name, content, {}, every)
         except ScenarioError as error:
@@ -67,7 +75,40 @@ def prepare(
     curves = CURVES[checked.choices.get("muscle.curves", NGUYEN2019.name)]
     every.check(curves, checked.given)
     loop = paper_loop(checked.drive, curves, custom)
-    return Prepared(checked, loop, every, time_grid(lambda path: every.value(path, checked.given)), chosen)
+    prepared = Prepared(checked, loop, every, time_grid(lambda path: every.value(path, checked.given)), chosen)
+    _check_force_factors(prepared)
+    _check_samples(prepared)
+    _check_variables(prepared)
+    return prepared
+
+
+def _check_force_factors(prepared: Prepared) -> None:
+    if "plant.z_max" not in prepared.loop.truth.p:
+        return
+    z_max = prepared.value("plant.z_max")
+    for path in (f"{muscle}.g_max" for muscle in MUSCLES):
+        if z_max >= prepared.value(path):
+            raise ScenarioError(
+                f"plant.z_max = {z_max:g} must be below {path} = {prepared.value(path):g}, the pole of g⁻¹"
+            )
+
+
+def _check_samples(prepared: Prepared) -> None:
+    for block in prepared.loop.observers:
+        if block.name in prepared.observers and block.next and not prepared.grid.hold:
+            raise ScenarioError(
+                f"{block.name} moves at samples only, and noise.period = 0 takes none; it must be above 0"
+            )
+
+
+def _check_variables(prepared: Prepared) -> None:
+    taken = {hat(group) for group in ("x", "u", "a", "Delta")}
+    for variable, observer, state in prepared.own_states():
+        if variable in taken:
+            raise ScenarioError(
+                f"{observer}: its state {state} would be called {variable} in the result, which is taken; rename it"
+            )
+        taken.add(variable)
 
 
 def time_grid(value: Callable[[str], float]) -> Grid:

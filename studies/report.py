@@ -28,7 +28,9 @@ def tables(dataset: xr.Dataset) -> Iterator[tuple[str, Table]]:
     for key, title in _TITLES.items():
         table = Table(box=None, padding=(0, 1, 0, 0))
         table.add_column("", no_wrap=True, min_width=8)
-        shown = [q for q in QUANTITIES if dataset[key].sel(quantity=q).notnull().any() or key == "rmse"]
+        # what does not settle has a peak
+        defined = dataset["peak" if key == "settling" else key]
+        shown = [q for q in QUANTITIES if defined.sel(quantity=q).notnull().any() or key == "rmse"]
         for quantity in shown:
             table.add_column(quantity, justify="right", no_wrap=True)
         for estimator in dataset.estimator.values.tolist():

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from importlib import resources
 from numbers import Integral, Real
@@ -14,17 +14,22 @@ from pathlib import Path
 from ..model.block import Parameter
 from ..model.curves import NGUYEN2019
 from ..model.pair import DRIVES
+from .quote import short, shown
+from .reading import cause, read_whole
 from .table import ScenarioError, Table
 
 _SHIPPED = "hillobs.studies.scenarios"
 # the paper's two first, then the harder ones
 _ORDER = ("paper-clean", "paper-noisy", "challenge", "slack", "slack-deep", "activation")
 # a scenario has some hundred numbers; larger files are something else
-_LARGEST_FILE = 1_000_000
+_LARGEST_FILE = 200_000
+_DEEPEST = 8
 _LARGEST_SEED = 2**64 - 1
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 
 _WHOLE = re.compile(r"[+-]?\d{1,20}", re.ASCII)
+# what a result cannot carry: the end of a C string, and halves of characters
+_NO_TEXT = re.compile(r"[\0\ud800-\udfff]")
 
 Value = float | str | bool
 Numbers = Mapping[str, float]
@@ -59,12 +64,14 @@ def shipped() -> dict[str, str]:
 def read(source: str | Path) -> tuple[str, dict[str, object]]:
     """Name and content of a shipped scenario or of a TOML file. ScenarioError says what is wrong, and where."""
     texts = shipped()
-    if isinstance(source, str) and source in texts:
-        return source, tomllib.loads(texts[source])
-    path = Path(source)
+    name = str(source)
+    if name in texts:
+        return name, tomllib.loads(texts[name])
+    path = Path(name)
     if path.suffix != ".toml":
-        raise ScenarioError(f"unknown scenario {str(source)!r}; there are {', '.join(texts)}, or name a .toml file")
-    return path.stem, _parse(path)
+        raise ScenarioError(f"unknown scenario {shown(name)}; there are {', '.join(texts)}, or name a .toml file")
+    content = _parse(path)
+    return _text(f"{path}: its name", path.stem), content
 
 
 def scenario(name: str, content: Mapping[str, object], changes: Mapping[str, Value], table: Table) -> Scenario:
@@ -72,9 +79,11 @@ def scenario(name: str, content: Mapping[str, object], changes: Mapping[str, Val
     description, seed = "", 0
     choices: dict[str, str] = {}
     given: dict[str, float] = {}
-    for layer in (dict(_leaves(content)), changes):
+    for layer in (_leaves(content, table), changes):
         numbers: dict[str, float] = {}
         for path, value in layer.items():
+            if not isinstance(path, str):
+                raise ScenarioError(f"a path must be a text such as plant.m, not {shown(path)}")
             if path == "description":
                 description = _text(path, value)
             elif path == "seed":
@@ -93,7 +102,7 @@ def parse_change(text: str) -> tuple[str, Value]:
     """`PATH=VALUE` as typed on a command line."""
     path, equals, value = text.partition("=")
     if not equals or not path:
-        raise ScenarioError(f"{text!r} is not PATH=VALUE, such as plant.m=1.2")
+        raise ScenarioError(f"{shown(text)} is not PATH=VALUE, such as plant.m=1.2")
     if path in CHOICES or path == "description":
         return path, value
     number = parse_number(path, value)
@@ -103,19 +112,15 @@ def parse_change(text: str) -> tuple[str, Value]:
 def parse_number(what: str, text: str) -> float:
     """A number as typed: digits, point, exponent. ScenarioError says what is not one."""
     if not _NUMBER.fullmatch(text):
-        raise ScenarioError(f"{what} must be a number, not {text!r}")
+        raise ScenarioError(f"{short(what)} must be a number, not {shown(text)}")
     return float(text)
 
 
 def _parse(path: Path) -> dict[str, object]:
     try:
-        with path.open("rb") as file:
-            raw = file.read(_LARGEST_FILE + 1)
+        raw = read_whole(path, _LARGEST_FILE)
     except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) else str(error)
-        raise ScenarioError(f"{path}: cannot be read: {reason}") from error
-    if len(raw) > _LARGEST_FILE:
-        raise ScenarioError(f"{path}: larger than {_LARGEST_FILE} bytes, this is no scenario")
+        raise ScenarioError(f"{path}: cannot be read: {cause(error)}") from error
     if raw.startswith(b"\xef\xbb\xbf"):
         raise ScenarioError(f"{path}: begins with a byte-order mark (BOM); save it as UTF-8 without one")
     try:
@@ -124,28 +129,34 @@ def _parse(path: Path) -> dict[str, object]:
         line = raw.count(b"\n", 0, error.start) + 1
         raise ScenarioError(f"{path}: line {line} is not valid UTF-8") from error
     except tomllib.TOMLDecodeError as error:
-        raise ScenarioError(f"{path}: not valid TOML: {error}") from error
+        raise ScenarioError(f"{path}: not valid TOML: {short(str(error))}") from error
     except RecursionError as error:
         raise ScenarioError(f"{path}: nested too deeply to be a scenario") from error
-    except ValueError as error:  # a number with thousands of digits
-        raise ScenarioError(f"{path}: holds a value that cannot be read: {error}") from error
+    except ValueError as error:
+        raise ScenarioError(f"{path}: cannot be read: it holds a number of thousands of digits") from error
 
 
-def _leaves(content: Mapping[str, object]) -> Iterator[tuple[str, object]]:
-    """Path and value of each leaf of nested tables; an empty table is a leaf."""
+def _leaves(content: Mapping[str, object], table: Table) -> dict[str, object]:
+    """Path → value of each leaf of nested tables; an empty table is a leaf unless paths lie below it."""
+    leaves: dict[str, object] = {}
     stack = list(content.items())[::-1]
     while stack:
         path, value = stack.pop()
-        if isinstance(value, dict) and value:
+        if path.count(".") > _DEEPEST:
+            raise ScenarioError(f"{shown(path)} is nested too deeply; paths are such as high_gain.muscle1.k")
+        if path in leaves:
+            raise ScenarioError(f"{short(path)} is given twice")
+        if isinstance(value, dict) and (value or table.is_section(path)):
             stack += [(f"{path}.{key}", inner) for key, inner in value.items()][::-1]
-        elif value != {}:
-            yield path, value
+        else:
+            leaves[path] = value
+    return leaves
 
 
 def _number(path: str, value: object, table: Table) -> float:
     parameter = table.paths[table.expand(path)[0]]
     if isinstance(value, bool) or not isinstance(value, Real):
-        raise ScenarioError(f"{path} must be a number, not {_shown(value)}")
+        raise ScenarioError(f"{path} must be a number, not {shown(value)}")
     try:
         number = float(value)
     except OverflowError:
@@ -168,32 +179,28 @@ def _out_of_bounds(number: float, parameter: Parameter) -> str:
 
 
 def _choice(path: str, value: object) -> str:
-    if value not in CHOICES[path]:
-        raise ScenarioError(f"{path} must be one of {', '.join(CHOICES[path])}, not {_shown(value)}")
-    return str(value)
+    if not isinstance(value, str) or value not in CHOICES[path]:
+        raise ScenarioError(f"{path} must be one of {', '.join(CHOICES[path])}, not {shown(value)}")
+    return value
 
 
 def _text(path: str, value: object) -> str:
     if not isinstance(value, str):
-        raise ScenarioError(f"{path} must be a text, not {_shown(value)}")
+        raise ScenarioError(f"{path} must be a text, not {shown(value)}")
+    if _NO_TEXT.search(value):
+        raise ScenarioError(f"{path} must be a text of whole characters without \\0, not {shown(value)}")
     return value
 
 
 def _seed(value: object) -> int:
     whole = int(value) if isinstance(value, Integral) and not isinstance(value, bool) else -1
     if not 0 <= whole <= _LARGEST_SEED:
-        raise ScenarioError(f"seed must be a whole number from 0 to 2⁶⁴ − 1, not {_shown(value)}")
+        raise ScenarioError(f"seed must be a whole number from 0 to 2⁶⁴ − 1, not {shown(value)}")
     return whole
 
 
 def _whole(text: str) -> Value:
     return int(text) if _WHOLE.fullmatch(text) else float(text)
-
-
-def _shown(value: object) -> str:
-    """A value as it would be written in TOML, cut short."""
-    text = {True: "true", False: "false"}.get(value, repr(value)) if isinstance(value, bool) else repr(value)
-    return text if len(text) <= 40 else f"{text[:37]}…"
 
 
 def _place(name: str) -> int:

@@ -14,7 +14,7 @@ def show(source: str) -> str:
     """The TOML of a scenario with every number, its unit, meaning and source. ScenarioError if there is none."""
     prepared = prepare(source, None, {})
     scenario, every = prepared.scenario, prepared.table
-    sections: dict[str, list[str]] = {"": [f"description = {json.dumps(scenario.description, ensure_ascii=False)}"]}
+    sections: dict[str, list[str]] = {"": [f"description = {_toml(scenario.description)}"]}
     sections[""].append(f"seed = {scenario.seed}  # of the measurement noise")
     for path, valid in CHOICES.items():
         section, _, key = path.rpartition(".")
@@ -35,6 +35,12 @@ def describe(parameter: Parameter) -> str:
     """Meaning, unit and source in one line."""
     unit = "" if parameter.unit == "1" else f" [{parameter.unit}]"
     return f"{parameter.sentence}{unit} ({parameter.source})"
+
+
+def _toml(text: str) -> str:
+    """A text as TOML writes it, every character that cannot be printed as an escape."""
+    quoted = json.dumps(text, ensure_ascii=False)
+    return "".join(c if c.isprintable() else f"\\U{ord(c):08x}" for c in quoted)
 
 
 def _lines(sections: dict[str, list[str]]) -> Iterator[str]:

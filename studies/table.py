@@ -10,6 +10,7 @@ from ..model.block import Block, Parameter
 from ..model.curves import CurveSet
 from ..model.pulses import PULSES
 from ..model.symbols import MUSCLES
+from .quote import short, shown
 
 
 class ScenarioError(ValueError):
@@ -53,14 +54,18 @@ class Table:
                 found = [".".join([*parts[:at], member, *parts[at + 1 :]]) for member in members]
                 if all(name in self.paths for name in found):
                     return found
-        raise ScenarioError(f"unknown path {path!r}; the nearest are {', '.join(self.nearest(path))}")
+        raise ScenarioError(f"unknown path {shown(path)}; the nearest are {', '.join(self.nearest(path))}")
 
     def nearest(self, path: str) -> list[str]:
         """Paths that look like `path`, best first; if none does, those of the same table."""
         every = [*self.paths, *self.groups()]
-        close = difflib.get_close_matches(path, every, n=3)
+        close = difflib.get_close_matches(short(path), every, n=3)
         last = path.rpartition(".")[2]
         return close or [name for name in every if name.rpartition(".")[2] == last][:3] or list(RUN)
+
+    def is_section(self, path: str) -> bool:
+        """Whether there are paths below `path`, such as those of `[plant]`."""
+        return any(known.startswith(f"{path}.") for known in (*self.paths, *self.groups()))
 
     def groups(self) -> dict[str, Parameter]:
         """The paths that set several numbers at once, and what they set."""
