@@ -141,9 +141,9 @@ def figures(result: Path, out: Path | None) -> None:
     """Draw the figures of RESULT.nc again, without a run."""
     with _user_errors():
         from .figures import save_figures
-        from .files import load, writable_folder
+        from .files import load_run, writable_folder
 
-        dataset = load(result)
+        dataset = load_run(result)
         written = save_figures(dataset, writable_folder(out or result.parent), result.stem)
         click.echo(_written(written))
 

@@ -37,23 +37,23 @@ def dataset(prepared: Prepared, traces: Mapping[str, Trace], library: str) -> xr
         return np.stack([signal[name] for name in names], axis=1)
 
     data: dict[str, tuple[tuple[str, ...], Array, dict[str, str]]] = {
-        "x": (("time", "state"), true(STATES), _about("true states")),
-        "u": (("time", "muscle"), true(("u1", "u2")), _about("true virtual inputs: minus the fibre velocities")),
-        "a": (("time", "muscle"), true(("a1", "a2")), _about("true activations")),
-        "Delta": (("time",), signal["Delta"], _about(SIGNALS["Delta"].sentence)),
-        "y": (("time", "sensor"), traces[loop.sensors.name].y, _about("measured position and tendon forces")),
-        "taut": (("time", "muscle"), true(("taut1", "taut2")), _about("1 while the tendon carries force")),
-        "x_hat": (("observer", "time", "state"), hats(STATES), _about("estimated states")),
-        "u_hat": (("observer", "time", "muscle"), hats(("u1", "u2")), _about("estimated virtual inputs")),
-        "a_hat": (("observer", "time", "muscle"), hats(("a1", "a2")), _about("estimated activations, within [0, 1]")),
-        "Delta_hat": (("observer", "time"), hats(("Delta",))[:, :, 0], _about("estimated uncertainty")),
+        "x": (("time", "state"), true(STATES), about("true states")),
+        "u": (("time", "muscle"), true(("u1", "u2")), about("true virtual inputs: minus the fibre velocities")),
+        "a": (("time", "muscle"), true(("a1", "a2")), about("true activations")),
+        "Delta": (("time",), signal["Delta"], about(SIGNALS["Delta"].sentence)),
+        "y": (("time", "sensor"), traces[loop.sensors.name].y, about("measured position and tendon forces")),
+        "taut": (("time", "muscle"), true(("taut1", "taut2")), about("1 while the tendon carries force")),
+        "x_hat": (("observer", "time", "state"), hats(STATES), about("estimated states")),
+        "u_hat": (("observer", "time", "muscle"), hats(("u1", "u2")), about("estimated virtual inputs")),
+        "a_hat": (("observer", "time", "muscle"), hats(("a1", "a2")), about("estimated activations, within [0, 1]")),
+        "Delta_hat": (("observer", "time"), hats(("Delta",))[:, :, 0], about("estimated uncertainty")),
     }
     if "r" in signal:
-        data["r"] = (("time",), signal["r"], _about(SIGNALS["r"].sentence))
+        data["r"] = (("time",), signal["r"], about(SIGNALS["r"].sentence))
     states = {block.name: list(block.x) for block in loop.observers}
     for variable, observer, state in prepared.own_states():
-        about = SIGNALS[state].sentence if state in SIGNALS else f"state {state}"
-        attributes = _about(f"{observer}: {about}") | {"observer": observer, "state": state}
+        meaning = SIGNALS[state].sentence if state in SIGNALS else f"state {state}"
+        attributes = about(f"{observer}: {meaning}") | {"observer": observer, "state": state}
         data[variable] = (("time",), traces[observer].x[:, states[observer].index(state)], attributes)
     points = max(0, grid.steps - grid.window + 1)
     scores = {name: traces[name].score for name in estimators}
@@ -62,10 +62,10 @@ def dataset(prepared: Prepared, traces: Mapping[str, Trace], library: str) -> xr
     errors = {name: measures(sums, points, grid.h, grid.steps * grid.h) for name, sums in scores.items()}
     for key in (field.name for field in dataclasses.fields(Measure)):
         values = np.array([[getattr(errors[e][q], key) for q in QUANTITIES] for e in estimators])
-        data[key] = (("estimator", "quantity"), values, _about(_MEASURES[key]))
+        data[key] = (("estimator", "quantity"), values, about(MEASURES[key]))
     time = np.arange(n) * (grid.record * grid.h)
     coordinates = {
-        "time": ("time", time, _about("time τ")),
+        "time": ("time", time, about("time τ")),
         "state": list(STATES),
         "muscle": [1, 2],
         "sensor": list(MEASURED),
@@ -76,7 +76,7 @@ def dataset(prepared: Prepared, traces: Mapping[str, Trace], library: str) -> xr
     return xr.Dataset(data, coordinates, _manifest(prepared, traces, library))
 
 
-_MEASURES = {
+MEASURES = {
     "rmse": "root of the mean squared error over [score.start, T]",
     "peak": "largest |error| over [0, T]",
     "settling": "last time the error exceeded its tolerance; NaN if it still does at the end",
@@ -85,15 +85,14 @@ _MEASURES = {
 }
 
 
-def _about(sentence: str) -> dict[str, str]:
+def about(sentence: str) -> dict[str, str]:
+    """The attributes of a variable."""
     return {"long_name": sentence, "units": "1"}
 
 
 def _manifest(prepared: Prepared, traces: Mapping[str, Trace], library: str) -> dict[str, str | int]:
     """What a run can be repeated from, and what it has to say; everything as text, for NetCDF."""
-    scenario, every = prepared.scenario, prepared.table
-    used = [path for block in prepared.loop.blocks for path in block_paths(block)]
-    values = {path: prepared.value(path) for path in dict.fromkeys([*every.paths, *used])}
+    scenario = prepared.scenario
     guards = {name: {g: t for g, t in trace.guards.items() if t > 0} for name, trace in traces.items()}
     checked = gain_conditions(prepared, traces["truth"])
     violated = {name: [c for c in conditions if not c.holds] for name, conditions in checked.items()}
@@ -103,19 +102,29 @@ def _manifest(prepared: Prepared, traces: Mapping[str, Trace], library: str) -> 
         if trace.failure
     }
     return {
-        "Conventions": "CF-1.11",
         "title": f"hillobs: {scenario.name}",
-        "scenario": scenario.name,
-        "description": scenario.description,
+        **repeatable(prepared),
         "seed": str(scenario.seed),
-        "choices": json.dumps({key: scenario.choices.get(key, valid[0]) for key, valid in CHOICES.items()}),
-        "parameters": json.dumps(values),
-        "changed": json.dumps(dict(scenario.given)),
         "unused": json.dumps(_unused(prepared)),
         "guards": json.dumps({name: times for name, times in guards.items() if times}),
         "failures": json.dumps(failures),
         "violated_conditions": json.dumps({name: [str(c) for c in some] for name, some in violated.items() if some}),
         "library": library,
+    }
+
+
+def repeatable(prepared: Prepared) -> dict[str, str]:
+    """All numbers and choices of a scenario, and the versions that ran it, as text for NetCDF."""
+    scenario, every = prepared.scenario, prepared.table
+    used = [path for block in prepared.loop.blocks for path in block_paths(block)]
+    values = {path: prepared.value(path) for path in dict.fromkeys([*every.paths, *used])}
+    return {
+        "Conventions": "CF-1.11",
+        "scenario": scenario.name,
+        "description": scenario.description,
+        "choices": json.dumps({key: scenario.choices.get(key, valid[0]) for key, valid in CHOICES.items()}),
+        "parameters": json.dumps(values),
+        "changed": json.dumps(dict(scenario.given)),
         "versions": json.dumps(versions()),
     }
 

@@ -86,20 +86,34 @@ def save_netcdf(dataset: xr.Dataset, path: Path) -> None:
 
 
 def load(path: Path) -> xr.Dataset:
-    """A run that `save` has written. ResultError if it is none, or damaged."""
+    """A result that `save` or `save_netcdf` has written. ResultError if it is none, or damaged."""
     try:
-        raw = read_whole(path, _LARGEST_FILE)
+        content = unsealed(read_whole(path, _LARGEST_FILE))
     except (OSError, ValueError) as error:
         raise ResultError(f"{path} cannot be read: {cause(error)}") from error
-    content, seal = raw[:-_SEAL_SIZE], raw[-_SEAL_SIZE:]
-    # before HDF5 sees it, which reads damage as other numbers or without end
-    if seal != _seal(content):
+    if content is None:
         raise ResultError(f"{path} cannot be read: it is no result of hillobs, or it is damaged")
     with xr.open_dataset(io.BytesIO(content), engine="h5netcdf") as file:
-        dataset = file.load()
+        return file.load()
+
+
+def load_run(path: Path) -> xr.Dataset:
+    """A run that `save` has written. ResultError if it is none, or damaged."""
+    dataset = load(path)
     if "x_hat" not in dataset:
         raise ResultError(f"{path} cannot be read as a run: it has no estimates")
     return dataset
+
+
+def sealed(content: bytes) -> bytes:
+    """`content` with a hash behind it."""
+    return content + b"hillobs " + hashlib.sha256(content).digest()
+
+
+def unsealed(raw: bytes) -> bytes | None:
+    """What was sealed; None if it is something else, or damaged."""
+    content = raw[:-_SEAL_SIZE]
+    return content if raw == sealed(content) else None
 
 
 def columns(dataset: xr.Dataset) -> Iterator[tuple[str, str, Array]]:
@@ -177,12 +191,8 @@ def _netcdf(dataset: xr.Dataset) -> bytes:
         str(name): {"zlib": True, "complevel": 1, **({"dtype": "S1"} if variable.dtype.kind == "U" else {})}
         for name, variable in dataset.variables.items()
     }
-    content = bytes(dataset.to_netcdf(engine="h5netcdf", encoding=encoding))
-    return content + _seal(content)
-
-
-def _seal(content: bytes) -> bytes:
-    return b"hillobs " + hashlib.sha256(content).digest()
+    # before HDF5 sees it, which reads damage as other numbers or without end, the seal is checked
+    return sealed(bytes(dataset.to_netcdf(engine="h5netcdf", encoding=encoding)))
 
 
 def _sync_folder(folder: Path) -> None:

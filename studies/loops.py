@@ -7,6 +7,7 @@ import functools
 from ..codegen.batch import CompiledLoop
 from ..codegen.export import Loop
 from ..codegen.stepper import STAGES
+from ..codegen.toolchain import NATIVE
 from ..model.block import Block
 from ..model.closed_loop import closed_loop
 from ..model.curves import NGUYEN2019, CurveSet
@@ -36,9 +37,9 @@ def paper_loop(drive: str, curves: CurveSet, custom: tuple[Block, ...] = (), con
 
 
 @functools.lru_cache(maxsize=16)
-def compile_loop(loop: Loop) -> CompiledLoop:
-    """The loop as machine code, from the cache if it is there."""
-    return CompiledLoop(loop)
+def compile_loop(loop: Loop, baseline: str = NATIVE) -> CompiledLoop:
+    """The loop as machine code for the processors of `baseline`, from the cache if it is there."""
+    return CompiledLoop(loop, baseline)
 
 
 @functools.lru_cache(maxsize=4)

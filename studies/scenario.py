@@ -11,7 +11,6 @@ from importlib import resources
 from numbers import Integral, Real
 from pathlib import Path
 
-from ..model.block import Parameter
 from ..model.curves import NGUYEN2019
 from ..model.pair import DRIVES
 from .quote import short, shown
@@ -91,7 +90,7 @@ def scenario(name: str, content: Mapping[str, object], changes: Mapping[str, Val
             elif path in CHOICES:
                 choices[path] = _choice(path, value)
             else:
-                numbers[path] = _number(path, value, table)
+                numbers[path] = checked_number(path, value, table)
         # a group such as `muscle.k` first, so that `muscle1.k` of the same layer wins
         for path in sorted(numbers, key=lambda path: -len(table.expand(path))):
             given |= dict.fromkeys(table.expand(path), numbers[path])
@@ -153,7 +152,8 @@ def _leaves(content: Mapping[str, object], table: Table) -> dict[str, object]:
     return leaves
 
 
-def _number(path: str, value: object, table: Table) -> float:
+def checked_number(path: str, value: object, table: Table) -> float:
+    """The number at `path`, within the bounds of its parameter. ScenarioError says what it must be."""
     parameter = table.paths[table.expand(path)[0]]
     if isinstance(value, bool) or not isinstance(value, Real):
         raise ScenarioError(f"{path} must be a number, not {shown(value)}")
@@ -163,19 +163,9 @@ def _number(path: str, value: object, table: Table) -> float:
         number = math.inf
     if not math.isfinite(number):
         raise ScenarioError(f"{path} must be a finite number, not {number}")
-    if objection := _out_of_bounds(number, parameter):
+    if objection := parameter.objection(number):
         raise ScenarioError(f"{path} must be {objection}, not {number:.12g}")
     return number
-
-
-def _out_of_bounds(number: float, parameter: Parameter) -> str:
-    bounds = (
-        (number > parameter.above, f"above {parameter.above:g}"),
-        (number >= parameter.least, f"at least {parameter.least:g}"),
-        (number < parameter.below, f"below {parameter.below:g}"),
-        (number <= parameter.most, f"at most {parameter.most:g}"),
-    )
-    return next((words for holds, words in bounds if not holds), "")
 
 
 def _choice(path: str, value: object) -> str:

@@ -1,0 +1,248 @@
+"""Many runs of one scenario over parameters and seeds: in parts, on all cores, resumed where they were left."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import sys
+import threading
+import warnings
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from ..codegen.batch import CompiledLoop
+from ..codegen.library import Array
+from ..codegen.toolchain import NATIVE
+from ..model.block import Block
+from ..model.symbols import QUANTITIES
+from .axes import Values
+from .dataset import MEASURES as SENTENCES
+from .dataset import about, repeatable
+from .files import ResultError, load, save_netcdf
+from .loops import compile_loop
+from .measures import measures
+from .parts import Parts
+from .plan import PART, Plan, plan
+from .prepare import Prepared
+from .scenario import Value
+from .table import ScenarioError
+
+# runs done so far, of all; runs of an earlier start count as done at once
+Progress = Callable[[int, int], None]
+# what computes parts, in any order
+Compute = Callable[[Plan, CompiledLoop, Iterable[int]], Iterator[tuple[int, Array]]]
+
+MEASURES = ("rmse", "peak", "settling", "chattering")
+# a larger result belongs into several files
+_LARGEST_RESULT = 4e9
+
+
+class SweepWarning(UserWarning):
+    """Something about a sweep that is mended, and should be known."""
+
+
+class _StoppedError(Exception):
+    """The sweep was ended from outside."""
+
+
+def sweep(
+    source: str | Path = "paper-clean",
+    over: Mapping[str, Values] | None = None,
+    seeds: int | Sequence[int] = 1,
+    observers: Sequence[str | Block] | str | Block | None = None,
+    changes: Mapping[str, Value] | None = None,
+    kind: str = "grid",
+    samples: int = 0,
+    out: str | Path | None = None,
+    workers: int | None = None,
+    baseline: str = NATIVE,
+    progress: Progress = lambda done, all_runs: None,
+) -> xr.Dataset:
+    """Run a scenario for all values in `over` and all seeds, and return the measures of each run.
+
+    source, observers, changes: as for `simulate`; "baseline" is an observer too. By default those that own the paths.
+    over: path → values, or an `axes.Range`; one dimension each, named by the path (`point`, if not a grid).
+    seeds: how many, from 0, or which. kind: grid, zip, or a design of `samples` points: latin, sobol.
+    out: file of the result; what is computed is kept beside it, and the same call goes on where it was.
+    workers: threads; by default one per core. baseline: processors to compile for, see `hillobs.codegen.toolchain`.
+
+    The Dataset has rmse, peak, settling, chattering (…, seed, observer, quantity), failed_at (…, seed, observer) and
+    plant_failed_at (…, seed): the time of a failure or NaN; after one, measures are NaN. Everything is dimensionless.
+    ScenarioError for what cannot be run, ResultError for `out`, BuildError if nothing can be compiled.
+    """
+    wanted = plan(source, over or {}, seeds, observers, changes, kind, samples)
+    return sweep_planned(wanted, None if out is None else Path(out), on_threads(workers), baseline, progress)
+
+
+def sweep_planned(
+    wanted: Plan,
+    out: Path | None,
+    compute: Compute,
+    baseline: str = NATIVE,
+    progress: Progress = lambda done, all_runs: None,
+) -> xr.Dataset:
+    """Run what `plan` has checked, keeping parts and result at `out` if it is given."""
+    width = _width(wanted)
+    if (size := wanted.runs * width * 8) > _LARGEST_RESULT:
+        raise ScenarioError(f"{wanted.runs:,} runs make a result of {size / 1e9:.0f} GB; cut the sweep into several")
+    compiled = compile_loop(wanted.prepared.loop, baseline)
+    identity = wanted.identity(compiled.path.stem)
+    if out is not None and out.exists():
+        return _complete(out, identity, wanted, progress)
+    numbers = np.full((wanted.runs, width), np.nan)
+    missing, done = list(range(wanted.parts)), 0
+    with contextlib.ExitStack() as stack:
+        parts = None
+        if out is not None:
+            parts = stack.enter_context(Parts(out, identity, wanted.description(compiled.path.stem)))
+            if out.exists():  # finished by another process just now
+                parts.remove()
+                return _complete(out, identity, wanted, progress)
+            for part in parts:
+                if part < wanted.parts and (kept := parts.read(part)) is not None:
+                    numbers[wanted.members(part)] = kept.reshape(-1, width)
+                    missing.remove(part)
+                    done += len(wanted.members(part))
+        if parts is not None and parts.damaged:
+            warnings.warn(
+                f"{parts.folder}: {parts.damaged} damaged parts are computed again", SweepWarning, stacklevel=3
+            )
+        progress(done, wanted.runs)
+        for part, computed in compute(wanted, compiled, missing):
+            numbers[wanted.members(part)] = computed
+            if parts is not None:
+                parts.write(part, computed)
+            done += len(computed)
+            progress(done, wanted.runs)
+        result = _dataset(wanted, numbers, identity, compiled.path.stem, baseline)
+        if parts is not None and out is not None:
+            save_netcdf(result, out)
+            parts.remove()
+    return result
+
+
+def on_threads(workers: int | None = None) -> Compute:
+    """Parts on the threads of this process, the interpreter's lock released; one per core by default."""
+    count = _cores() if workers is None else workers
+    if count < 1:
+        raise ScenarioError(f"workers must be at least 1, not {count}")
+
+    def compute(wanted: Plan, compiled: CompiledLoop, parts: Iterable[int]) -> Iterator[tuple[int, Array]]:
+        stop, waiting = threading.Event(), iter(parts)
+
+        def check(_: float) -> None:
+            if stop.is_set():
+                raise _StoppedError
+
+        def work(part: int) -> tuple[int, Array]:
+            return part, compute_part(wanted, compiled, part, check)
+
+        with ThreadPoolExecutor(count) as pool:
+            running: set[Future[tuple[int, Array]]] = set()
+            try:
+                while True:
+                    # no more than twice the threads: a sweep of a million parts has no million futures
+                    for part in waiting:
+                        running.add(pool.submit(work, part))
+                        if len(running) >= 2 * count:
+                            break
+                    if not running:
+                        return
+                    finished, running = wait(running, return_when=FIRST_COMPLETED)
+                    for future in finished:
+                        yield future.result()
+            finally:
+                stop.set()
+                for future in running:
+                    future.cancel()
+
+    return compute
+
+
+def _cores() -> int:
+    """The cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if sys.platform == "linux" else os.cpu_count() or 1
+
+
+def compute_part(
+    wanted: Plan, compiled: CompiledLoop, part: int, progress: Callable[[float], None] = lambda done: None
+) -> Array:
+    """The numbers of one part: (runs × numbers) as `_dataset` reads them."""
+    runs = wanted.members(part)
+    parameters = wanted.numbers(runs)
+    result = np.empty((len(runs), _width(wanted)))
+    names = list(compiled.loop.score.x)
+    for grid, which in wanted.on_grids(runs):
+        own = {name: values[which] for name, values in parameters.items()}
+        seeds = wanted.seeds[runs[which] % len(wanted.seeds)]
+        outcomes = compiled.batch(grid, seeds, own, wanted.observers, progress)
+        columns = []
+        for observer in wanted.observers:
+            outcome = outcomes[observer]
+            sums = dict(zip(names, outcome.sums.T, strict=True))
+            found = measures(sums, max(0, grid.steps - grid.window + 1), grid.h, grid.steps * grid.h)
+            columns += [getattr(found[quantity], measure) for measure in MEASURES for quantity in QUANTITIES]
+            columns.append(_time(outcome.failed, grid.h))
+        columns.append(_time(outcomes[compiled.loop.truth.name].failed, grid.h))
+        result[which] = np.stack(columns, axis=1)
+    return result
+
+
+def _time(failed: Array | np.ndarray[tuple[int, ...], np.dtype[np.int64]], h: float) -> Array:
+    return np.where(failed < 0, np.nan, failed * h)
+
+
+def _width(wanted: Plan) -> int:
+    """Numbers per run: measures and failure of each observer, failure of the plant."""
+    return len(wanted.observers) * (len(MEASURES) * len(QUANTITIES) + 1) + 1
+
+
+def _complete(out: Path, identity: str, wanted: Plan, progress: Progress) -> xr.Dataset:
+    """The result that is there already, if it is that of this sweep."""
+    found = load(out)
+    if found.attrs.get("identity") != identity:
+        raise ResultError(f"{out} is there already, and is the result of something else; name another --out")
+    progress(wanted.runs, wanted.runs)
+    return found
+
+
+def _dataset(wanted: Plan, numbers: Array, identity: str, library: str, baseline: str) -> xr.Dataset:
+    """The numbers of all runs with names; everything to repeat the sweep is in the attributes."""
+    shape = (*wanted.axes.shape, len(wanted.seeds))
+    dimensions = (*wanted.axes.dimensions, "seed")
+    each = numbers[:, :-1].reshape(*shape, len(wanted.observers), -1)
+    by_measure = each[..., :-1].reshape(*shape, len(wanted.observers), len(MEASURES), len(QUANTITIES))
+    data = {
+        name: ((*dimensions, "observer", "quantity"), by_measure[..., i, :], about(SENTENCES[name]))
+        for i, name in enumerate(MEASURES)
+    }
+    data["failed_at"] = ((*dimensions, "observer"), each[..., -1], about("when the observer failed; NaN if it did not"))
+    data["plant_failed_at"] = (dimensions, numbers[:, -1].reshape(shape), about("when the plant failed; NaN if not"))
+    coordinates: dict[str, object] = {
+        "seed": wanted.seeds,
+        "observer": list(wanted.observers),
+        "quantity": list(QUANTITIES),
+    }
+    for path, values in zip(wanted.axes.paths, wanted.axes.values, strict=True):
+        where = path if wanted.axes.kind == "grid" else "point"
+        coordinates[path] = (where, values, about(_sentence(wanted.prepared, path)))
+    attributes = {
+        "title": f"hillobs: sweep of {wanted.prepared.scenario.name}",
+        **repeatable(wanted.prepared),
+        "kind": wanted.axes.kind,
+        "axes": json.dumps(list(wanted.axes.paths)),
+        "identity": identity,
+        "library": library,
+        "baseline": baseline,
+        "part": str(PART),
+    }
+    return xr.Dataset(data, coordinates, attributes)
+
+
+def _sentence(prepared: Prepared, path: str) -> str:
+    return prepared.table.paths[prepared.table.expand(path)[0]].sentence
