@@ -1,29 +1,26 @@
-"""The command line: `hillobs simulate`, `show`, `list`, `figures`, `observability`, `errata`, `info`, `clean`."""
+"""The command line: one function per command; `sweep` has a file of its own."""
 
 from __future__ import annotations
 
-import contextlib
 import os
 import sys
 import warnings
-from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, TextIO
 
 import click
 
 from .quote import escaped
+from .sweep_cli import sweep
+from .terminal import USAGE, bar, complain, print_table, user_errors
 
 if TYPE_CHECKING:
     import xarray as xr
-    from rich.table import Table
 
     from .observability_report import Asked
 
 # exit codes; a rank that is not full is no failure, but a script must see it
-_USAGE, _NUMERICAL, _DEFICIENT, _INTERRUPTED, _READER_GONE = 2, 1, 1, 130, 141
-# a narrow terminal may wrap the lines of a table, nothing may cut its numbers
-_TABLE_WIDTH = 120
+_NUMERICAL, _DEFICIENT, _INTERRUPTED, _READER_GONE = 1, 1, 130, 141
 
 
 def main() -> None:
@@ -38,14 +35,14 @@ def main() -> None:
     try:
         commands(standalone_mode=False)
     except click.ClickException as error:
-        _complain(error.format_message())
-        sys.exit(_USAGE)
+        complain(error.format_message())
+        sys.exit(USAGE)
     except (click.Abort, KeyboardInterrupt):
         sys.exit(_INTERRUPTED)
     except OSError as error:
         _drop_output()
-        _complain(f"{error.filename or 'standard output'}: {error.strerror}")
-        sys.exit(_USAGE)
+        complain(f"{error.filename or 'standard output'}: {error.strerror}")
+        sys.exit(USAGE)
     except SystemExit:
         if sys.stdout is stdout:
             raise
@@ -57,6 +54,9 @@ def main() -> None:
 @click.version_option(package_name="hillobs", prog_name="hillobs")
 def commands() -> None:
     """Observers for a pair of Hill muscles: states, unknown inputs and activations."""
+
+
+commands.add_command(sweep)
 
 
 @commands.command()
@@ -78,7 +78,7 @@ def simulate(
 ) -> None:
     """Simulate scenarios (the paper's two by default), print their measures, write results and figures."""
     failed = False
-    with _user_errors():
+    with user_errors():
         from .files import refuse_same_names, save, writable_folder
         from .prepare import prepare
         from .report import failures
@@ -95,19 +95,19 @@ def simulate(
         folder = writable_folder(Path(out))
         for prepared in every:
             name = prepared.scenario.name
-            with _progress(f"{name}: simulating") as advance, warnings.catch_warnings():
+            with bar(f"{name}: simulating") as advance, warnings.catch_warnings():
                 warnings.simplefilter("ignore", RunWarning)  # its reason is printed below
                 dataset = simulate_prepared(prepared, advance)
             written = save(dataset, folder)
             if not no_figures:
                 from .figures import save_figures
 
-                with _progress(f"{name}: drawing"):
+                with bar(f"{name}: drawing"):
                     written += save_figures(dataset, folder, name)
             _print_report(dataset)
             click.echo(_written(written) + "\n")
             for sentence in failures(dataset):
-                _complain(sentence)
+                complain(sentence)
                 failed = True
     if failed:
         sys.exit(_NUMERICAL)
@@ -117,7 +117,7 @@ def simulate(
 @click.argument("scenario")
 def show(scenario: str) -> None:
     """Print SCENARIO as a complete, commented TOML file to start from."""
-    with _user_errors():
+    with user_errors():
         from .show import show as text
 
         click.echo(text(scenario), nl=False)
@@ -127,7 +127,7 @@ def show(scenario: str) -> None:
 @click.argument("what", type=click.Choice(["all", "scenarios", "observers", "curves", "parameters"]), default="all")
 def list_(what: str) -> None:
     """List scenarios, observers, curve sets, or parameters with default, unit and meaning."""
-    with _user_errors():
+    with user_errors():
         from .listing import listing
 
         for line in listing(what):
@@ -139,7 +139,7 @@ def list_(what: str) -> None:
 @click.option("--out", type=click.Path(path_type=Path), help="Where figures are written; beside RESULT by default.")
 def figures(result: Path, out: Path | None) -> None:
     """Draw the figures of RESULT.nc again, without a run."""
-    with _user_errors():
+    with user_errors():
         from .figures import save_figures
         from .files import load_run, writable_folder
 
@@ -178,7 +178,7 @@ def observability(
     out: str,
 ) -> None:
     """Say what these sensors determine at a point of SCENARIO; exit code 0 for full rank, 1 for less."""
-    with _user_errors():
+    with user_errors():
         from .files import writable_folder
         from .observability_report import answer_question, check_axes, write_along, write_map
         from .scenario import parse_change
@@ -196,7 +196,7 @@ def observability(
             _print_answer(asked)
         for wanted, write in ((along, write_along), (axes is not None, write_map)):
             if wanted:
-                with _progress("observability") as advance:
+                with bar("observability") as advance:
                     sentence, paths = write(asked, folder, axes or "", advance)
                 click.echo(f"{sentence}\n{_written(paths)}", err=as_json)
     sys.exit(0 if asked.answer.verdict.full else _DEFICIENT)
@@ -205,20 +205,20 @@ def observability(
 @commands.command()
 def errata() -> None:
     """Run the controller and the adaptive observer as printed beside the corrected ones."""
-    with _user_errors():
+    with user_errors():
         from .errata import errata as study
         from .errata_tables import tables
 
-        with _progress("errata") as advance:
+        with bar("errata") as advance:
             results = study(advance)
         for table in tables(results):
-            _print_table(table)
+            print_table(table)
 
 
 @commands.command()
 def info() -> None:
     """Show versions, compiler, CPU and cache."""
-    with _user_errors():
+    with user_errors():
         from .listing import information
 
         for line in information():
@@ -228,7 +228,7 @@ def info() -> None:
 @commands.command()
 def clean() -> None:
     """Empty the cache of compiled libraries."""
-    with _user_errors():
+    with user_errors():
         from ..codegen.cache import clean_cache
 
         removed = clean_cache()
@@ -237,7 +237,7 @@ def clean() -> None:
 
 def _print_answer(asked: Asked) -> None:
     click.echo(asked.summary() + "\n")
-    _print_table(asked.table())
+    print_table(asked.table())
     for sentence in asked.details():
         click.echo(sentence)
 
@@ -249,50 +249,9 @@ def _print_report(dataset: xr.Dataset) -> None:
     click.echo(escaped(f"{about['scenario']}, seed {about['seed']}: {about['description']}") + "\n")
     for title, table in tables(dataset):
         click.echo(title)
-        _print_table(table)
+        print_table(table)
     for note in notes(dataset):
         click.echo(note)
-
-
-def _print_table(table: Table) -> None:
-    """A table and a blank line, through click: rich would end the program when a pipe closes."""
-    from rich.console import Console
-
-    console = Console()
-    console.width = max(console.width, _TABLE_WIDTH)
-    with console.capture() as text:
-        console.print(table)
-    click.echo(text.get())
-
-
-@contextlib.contextmanager
-def _progress(what: str) -> Iterator[Callable[[float], None]]:
-    """A progress bar on the terminal's error stream; nothing where there is no terminal."""
-    from rich.console import Console
-    from rich.markup import escape
-    from rich.progress import Progress
-
-    with Progress(console=Console(stderr=True), transient=True, disable=not sys.stderr.isatty()) as progress:
-        task = progress.add_task(escape(escaped(what)), total=1.0)
-        yield lambda done: progress.update(task, completed=done)
-
-
-@contextlib.contextmanager
-def _user_errors() -> Iterator[None]:
-    """A user's mistake as one sentence and exit code 2."""
-    from ..codegen.cache import BuildError
-    from ..model.block import BlockError
-    from .files import ResultError
-    from .table import ScenarioError
-
-    try:
-        yield
-    except (ScenarioError, ResultError, BlockError) as error:
-        _complain(str(error))
-        sys.exit(_USAGE)
-    except BuildError as error:  # the compiler's own words take several lines
-        click.echo("hillobs: " + "\n".join(map(escaped, str(error).splitlines())), err=True)
-        sys.exit(_USAGE)
 
 
 def _show_warning(
@@ -303,13 +262,7 @@ def _show_warning(
     file: TextIO | None = None,
     line: str | None = None,
 ) -> None:
-    _complain(f"warning: {message}")
-
-
-def _complain(sentence: str) -> None:
-    """A sentence on the error stream; file names cannot smuggle control characters into a terminal."""
-    with contextlib.suppress(OSError):  # without a listener the exit code says it
-        click.echo(f"hillobs: {escaped(sentence)}", err=True)
+    complain(f"warning: {message}")
 
 
 def _written(paths: list[Path]) -> str:
