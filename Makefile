@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 CODE := model observers codegen studies hillobs tests benchmarks
 
 .DEFAULT_GOAL := help
-.PHONY: help sim test check format lint types observability chaos bench clean
+.PHONY: help sim sweep test check format lint types observability chaos bench clean
 
 help: ## show this help
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 16
@@ -20,6 +20,9 @@ $(VENV)/.installed: pyproject.toml
 
 sim: $(VENV)/.installed ## both of the paper's simulations, with all figures, into results/
 	$(BIN)/hillobs simulate
+
+sweep: $(VENV)/.installed ## error over ε_h, δ_s and δ_a, with and without noise, into results/
+	$(BIN)/python -m hillobs.studies.sweep_study
 
 test: $(VENV)/.installed ## all tests
 	$(BIN)/python -m pytest

@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from .studies.conformance import conformance
     from .studies.observability import observability
     from .studies.simulate import simulate
+    from .studies.sweep import sweep
 
 __version__ = version("hillobs")
 
@@ -17,6 +18,7 @@ _PLACES = {
     "conformance": ".studies.conformance",
     "observability": ".studies.observability",
     "simulate": ".studies.simulate",
+    "sweep": ".studies.sweep",
 }
 
 
@@ -27,4 +29,4 @@ def __getattr__(name: str) -> object:
     return getattr(importlib.import_module(_PLACES[name], __name__), name)
 
 
-__all__ = ["__version__", "conformance", "observability", "simulate"]
+__all__ = ["__version__", "conformance", "observability", "simulate", "sweep"]
