@@ -6,7 +6,8 @@ import statistics
 import time
 from collections.abc import Callable
 
-from hillobs.codegen.stepper import functions
+import casadi as ca
+
 from hillobs.model.curves import NGUYEN2019
 from hillobs.studies.loops import compile_loop, paper_loop
 from hillobs.studies.prepare import prepare
@@ -29,17 +30,19 @@ def main() -> None:
     compiled = compile_loop(loop)
     numbers = {block.name: prepared.table.values(block, prepared.scenario.given) for block in loop.blocks}
     names = [block.name for block in loop.observers]
-    truth = functions(loop.truth, loop.held, (), loop.measured)
-    steps = [functions(block, loop.held, loop.measured)["step"] for block in loop.observers]
-    held = [0.0] * len(loop.held)
+    truth, front = loop.functions(loop.truth), loop.functions(loop.front)["out"]
+    steps = [loop.functions(block)["step"] for block in loop.observers]
+    held, tendons = [0.0] * len(loop.held), [parameter.default for parameter in loop.front.parameters.values()]
     x = truth["init"](0, numbers["truth"], held, [])
     starts = [[0.1] * len(block.x) for block in loop.observers]
 
     def machine() -> None:
         for _ in range(VM_STEPS):
             _, stages = truth["step"](0, grid.h, x, numbers["truth"], held, [])
+            # without noise the sensors show what they look at
+            seen = ca.vertcat(stages, ca.horzcat(*(front(0, [], tendons, held, y)[0] for y in ca.horzsplit(stages))))
             for step, start, name in zip(steps, starts, names, strict=True):
-                step(0, grid.h, start, numbers[name], held, stages)
+                step(0, grid.h, start, numbers[name], held, seen)
 
     fast, slow = [], []
     for _ in range(ROUNDS):

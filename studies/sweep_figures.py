@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import json
 
+import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
 
 from ..model.symbols import SIGNALS
 from . import style
@@ -46,7 +48,8 @@ def _panel(axes: Axes, path: str, clean: xr.DataArray, noisy: xr.DataArray, colo
     axes.plot(values, median.values, color=color, label="with noise: median")
     axes.plot(values, clean.values, color="black", linestyle=(0, (4, 3)), linewidth=0.9, label="without noise")
     if bool(median.notnull().any()):
-        best = int(median.argmin(median.dims[0]))
+        best = int(np.nanargmin(median.values))
         axes.plot(values[best], median.values[best], "o", color=color, markersize=5, label="optimum")
     axes.set_xscale("log")
+    axes.xaxis.set_minor_formatter(NullFormatter())
     axes.set_yscale("log")

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from hillobs.studies.files import ResultError, load, measures_csv, save, save_netcdf, writable_folder, write_whole
+from hillobs.studies.files import ResultError, load, load_run, measures_csv, save, save_netcdf, writable_folder, write_whole
 from hillobs.studies.prepare import prepare
 from hillobs.studies.simulate import simulate
 from hillobs.studies.table import ScenarioError
@@ -204,7 +204,7 @@ def test_others_can_read_a_result(engine: str, run: xr.Dataset, tmp_path: Path) 
 def test_a_result_that_is_no_run_is_refused(tmp_path: Path) -> None:
     save_netcdf(xr.Dataset({"rank": ("t", [4.0])}), tmp_path / "x.nc")
     with pytest.raises(ResultError, match=r"x\.nc cannot be read as a run: it has no estimates"):
-        load(tmp_path / "x.nc")
+        load_run(tmp_path / "x.nc")
 
 
 @pytest.mark.parametrize("read", [load, lambda path: prepare(path, None, {})], ids=["result", "scenario"])
@@ -355,7 +355,7 @@ def test_a_disk_that_fills_up_leaves_whole_files_or_none(size: int, run: xr.Data
 SAVE = """
 import resource, sys
 from pathlib import Path
-from hillobs.studies.files import ResultError, load, save
+from hillobs.studies.files import ResultError, load, load_run, save
 run = load(Path(sys.argv[1]))
 resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[3]),) * 2)
 try:
