@@ -14,7 +14,16 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from hillobs.studies.files import ResultError, load, load_run, measures_csv, save, save_netcdf, writable_folder, write_whole
+from hillobs.studies.files import (
+    ResultError,
+    load,
+    load_run,
+    measures_csv,
+    save,
+    save_netcdf,
+    writable_folder,
+    write_whole,
+)
 from hillobs.studies.prepare import prepare
 from hillobs.studies.simulate import simulate
 from hillobs.studies.table import ScenarioError
