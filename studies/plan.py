@@ -23,6 +23,8 @@ from .table import RUN, ScenarioError, block_paths
 
 # runs that are computed, kept and counted together: a few seconds of one core
 PART = 512
+# counts up when the numbers of a part change their meaning, so that old parts are not read as new ones
+_LAYOUT = 2
 # from here on a sweep is asked for twice
 MANY_RUNS = 100_000_000
 # numbers that have to fit together are checked for every combination, if there are no more than these
@@ -99,7 +101,7 @@ class Plan:
             "axes": [self.axes.kind, *zip(self.axes.paths, (v.tolist() for v in self.axes.values), strict=True)],
             "seeds": self.seeds.tolist(),
             "observers": list(self.observers),
-            "code": [library, PART],
+            "code": [library, PART, _LAYOUT],
         }
 
     def _grid(self, given: Mapping[str, float]) -> Grid:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import json
 import os
 import sys
 import threading
@@ -21,15 +20,14 @@ from ..codegen.toolchain import NATIVE
 from ..model.block import Block
 from ..model.symbols import QUANTITIES
 from .axes import Values
-from .dataset import MEASURES as SENTENCES
-from .dataset import about, repeatable
+from .causes import cause_of, causes
 from .files import ResultError, load, save_netcdf
 from .loops import compile_loop
 from .measures import measures
 from .parts import Parts
-from .plan import PART, Plan, plan
-from .prepare import Prepared
+from .plan import Plan, plan
 from .scenario import Value
+from .sweep_dataset import MEASURES, sweep_dataset, width
 from .table import ScenarioError
 
 # runs done so far, of all; runs of an earlier start count as done at once
@@ -37,7 +35,6 @@ Progress = Callable[[int, int], None]
 # what computes parts, in any order
 Compute = Callable[[Plan, CompiledLoop, Iterable[int]], Iterator[tuple[int, Array]]]
 
-MEASURES = ("rmse", "peak", "settling", "chattering")
 # a larger result belongs into several files
 _LARGEST_RESULT = 4e9
 
@@ -72,7 +69,8 @@ def sweep(
     workers: threads; by default one per core. baseline: processors to compile for, see `hillobs.codegen.toolchain`.
 
     The Dataset has rmse, peak, settling, chattering (…, seed, observer, quantity), failed_at (…, seed, observer) and
-    plant_failed_at (…, seed): the time of a failure or NaN; after one, measures are NaN. Everything is dimensionless.
+    plant_failed_at (…, seed): the time of a failure or NaN; after one, measures are NaN. failure and plant_failure say
+    what failed, as places in the attribute flag_meanings; 0 is none. Everything is dimensionless.
     ScenarioError for what cannot be run, ResultError for `out`, BuildError if nothing can be compiled.
     """
     wanted = plan(source, over or {}, seeds, observers, changes, kind, samples)
@@ -87,14 +85,14 @@ def sweep_planned(
     progress: Progress = lambda done, all_runs: None,
 ) -> xr.Dataset:
     """Run what `plan` has checked, keeping parts and result at `out` if it is given."""
-    width = _width(wanted)
-    if (size := wanted.runs * width * 8) > _LARGEST_RESULT:
+    columns = width(wanted)
+    if (size := wanted.runs * columns * 8) > _LARGEST_RESULT:
         raise ScenarioError(f"{wanted.runs:,} runs make a result of {size / 1e9:.0f} GB; cut the sweep into several")
     compiled = compile_loop(wanted.prepared.loop, baseline)
     identity = wanted.identity(compiled.path.stem)
     if out is not None and out.exists():
         return _complete(out, identity, wanted, progress)
-    numbers = np.full((wanted.runs, width), np.nan)
+    numbers = np.full((wanted.runs, columns), np.nan)
     missing, done = list(range(wanted.parts)), 0
     with contextlib.ExitStack() as stack:
         parts = None
@@ -105,7 +103,7 @@ def sweep_planned(
                 return _complete(out, identity, wanted, progress)
             for part in parts:
                 if part < wanted.parts and (kept := parts.read(part)) is not None:
-                    numbers[wanted.members(part)] = kept.reshape(-1, width)
+                    numbers[wanted.members(part)] = kept.reshape(-1, columns)
                     missing.remove(part)
                     done += len(wanted.members(part))
         if parts is not None and parts.damaged:
@@ -119,7 +117,7 @@ def sweep_planned(
                 parts.write(part, computed)
             done += len(computed)
             progress(done, wanted.runs)
-        result = _dataset(wanted, numbers, identity, compiled.path.stem, baseline)
+        result = sweep_dataset(wanted, numbers, identity, compiled.path.stem, baseline)
         if parts is not None and out is not None:
             save_netcdf(result, out)
             parts.remove()
@@ -172,11 +170,12 @@ def _cores() -> int:
 def compute_part(
     wanted: Plan, compiled: CompiledLoop, part: int, progress: Callable[[float], None] = lambda done: None
 ) -> Array:
-    """The numbers of one part: (runs × numbers) as `_dataset` reads them."""
+    """The numbers of one part: (runs × numbers) as `sweep_dataset` reads them."""
     runs = wanted.members(part)
     parameters = wanted.numbers(runs)
-    result = np.empty((len(runs), _width(wanted)))
-    names = list(compiled.loop.score.x)
+    result = np.empty((len(runs), width(wanted)))
+    names, every = list(compiled.loop.score.x), causes(compiled.loop, wanted.observers)
+    blocks = {block.name: block for block in (compiled.loop.truth, *compiled.loop.observers)}
     for grid, which in wanted.on_grids(runs):
         own = {name: values[which] for name, values in parameters.items()}
         seeds = wanted.seeds[runs[which] % len(wanted.seeds)]
@@ -187,19 +186,15 @@ def compute_part(
             sums = dict(zip(names, outcome.sums.T, strict=True))
             found = measures(sums, max(0, grid.steps - grid.window + 1), grid.h, grid.steps * grid.h)
             columns += [getattr(found[quantity], measure) for measure in MEASURES for quantity in QUANTITIES]
-            columns.append(_time(outcome.failed, grid.h))
-        columns.append(_time(outcomes[compiled.loop.truth.name].failed, grid.h))
+            columns += [_time(outcome.failed, grid.h), cause_of(blocks[observer], outcome, every)]
+        plant = outcomes[compiled.loop.truth.name]
+        columns += [_time(plant.failed, grid.h), cause_of(compiled.loop.truth, plant, every)]
         result[which] = np.stack(columns, axis=1)
     return result
 
 
 def _time(failed: Array | np.ndarray[tuple[int, ...], np.dtype[np.int64]], h: float) -> Array:
     return np.where(failed < 0, np.nan, failed * h)
-
-
-def _width(wanted: Plan) -> int:
-    """Numbers per run: measures and failure of each observer, failure of the plant."""
-    return len(wanted.observers) * (len(MEASURES) * len(QUANTITIES) + 1) + 1
 
 
 def _complete(out: Path, identity: str, wanted: Plan, progress: Progress) -> xr.Dataset:
@@ -209,40 +204,3 @@ def _complete(out: Path, identity: str, wanted: Plan, progress: Progress) -> xr.
         raise ResultError(f"{out} is there already, and is the result of something else; name another --out")
     progress(wanted.runs, wanted.runs)
     return found
-
-
-def _dataset(wanted: Plan, numbers: Array, identity: str, library: str, baseline: str) -> xr.Dataset:
-    """The numbers of all runs with names; everything to repeat the sweep is in the attributes."""
-    shape = (*wanted.axes.shape, len(wanted.seeds))
-    dimensions = (*wanted.axes.dimensions, "seed")
-    each = numbers[:, :-1].reshape(*shape, len(wanted.observers), -1)
-    by_measure = each[..., :-1].reshape(*shape, len(wanted.observers), len(MEASURES), len(QUANTITIES))
-    data = {
-        name: ((*dimensions, "observer", "quantity"), by_measure[..., i, :], about(SENTENCES[name]))
-        for i, name in enumerate(MEASURES)
-    }
-    data["failed_at"] = ((*dimensions, "observer"), each[..., -1], about("when the observer failed; NaN if it did not"))
-    data["plant_failed_at"] = (dimensions, numbers[:, -1].reshape(shape), about("when the plant failed; NaN if not"))
-    coordinates: dict[str, object] = {
-        "seed": wanted.seeds,
-        "observer": list(wanted.observers),
-        "quantity": list(QUANTITIES),
-    }
-    for path, values in zip(wanted.axes.paths, wanted.axes.values, strict=True):
-        where = path if wanted.axes.kind == "grid" else "point"
-        coordinates[path] = (where, values, about(_sentence(wanted.prepared, path)))
-    attributes = {
-        "title": f"hillobs: sweep of {wanted.prepared.scenario.name}",
-        **repeatable(wanted.prepared),
-        "kind": wanted.axes.kind,
-        "axes": json.dumps(list(wanted.axes.paths)),
-        "identity": identity,
-        "library": library,
-        "baseline": baseline,
-        "part": str(PART),
-    }
-    return xr.Dataset(data, coordinates, attributes)
-
-
-def _sentence(prepared: Prepared, path: str) -> str:
-    return prepared.table.paths[prepared.table.expand(path)[0]].sentence
