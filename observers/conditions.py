@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
+from numpy.typing import NDArray
 
 from ..model.block import Symbols
 
@@ -50,12 +51,14 @@ class Checked:
         return f"{self.name}: {self.left:.7g} {self.relation} {self.right:.7g} does not hold"
 
 
+Numbers = NDArray[np.float64]
+Truths = NDArray[np.bool_]
 Conditions = Callable[[Symbols, Symbols], list[Condition]]
 
-_HOLDS: Mapping[str, Callable[[float, float], bool]] = {
+_HOLDS: Mapping[str, Callable[[Numbers, Numbers], Truths]] = {
     ">": lambda left, right: left > right,
     "<": lambda left, right: left < right,
-    "=": lambda left, right: abs(left - right) <= _EQUAL * max(abs(left), abs(right)),
+    "=": lambda left, right: np.abs(left - right) <= _EQUAL * np.maximum(np.abs(left), np.abs(right)),
 }
 
 
@@ -86,11 +89,27 @@ def between(name: str, value: ca.SX, low: ca.SX | float, high: ca.SX | float) ->
 
 def check(conditions: list[Condition], symbols: Symbols, values: Mapping[str, float]) -> list[Checked]:
     """Each condition with numbers, `values` for every symbol; one with a number that is not known is left out."""
-    sides = ca.vertcat(*(ca.horzcat(c.left, c.right) for c in conditions))
-    function = ca.Function("conditions", [symbols.vector()], [sides])
-    numbers = np.array(function([values[name] for name in symbols]), dtype=float).reshape(-1, 2)
+    left, right = _sides(conditions, symbols, np.array([[values[name]] for name in symbols]))
     return [
-        Checked(c.name, left, c.relation, right, bool(_HOLDS[c.relation](left, right)))
-        for c, (left, right) in zip(conditions, numbers.tolist(), strict=True)
-        if not math.isnan(left + right)
+        Checked(c.name, float(a[0]), c.relation, float(b[0]), bool(_HOLDS[c.relation](a, b)[0]))
+        for c, a, b in zip(conditions, left, right, strict=True)
+        if not math.isnan(a[0] + b[0])
     ]
+
+
+def violated(conditions: list[Condition], symbols: Symbols, values: Numbers) -> dict[str, Truths]:
+    """Name → (points) where the condition does not hold, for `values` (symbols × points); unknown numbers hold."""
+    result: dict[str, Truths] = {}
+    for c, left, right in zip(conditions, *_sides(conditions, symbols, values), strict=True):
+        broken = ~(_HOLDS[c.relation](left, right) | np.isnan(left + right))
+        # the two bounds of `between` have one name
+        result[c.name] = result.get(c.name, False) | broken
+    return result
+
+
+def _sides(conditions: list[Condition], symbols: Symbols, values: Numbers) -> tuple[Numbers, Numbers]:
+    """Left and right (conditions × points) of each condition."""
+    sides = [ca.vertcat(ca.SX(0, 1), *side) for side in ([c.left for c in conditions], [c.right for c in conditions])]
+    function = ca.Function("conditions", [symbols.vector()], sides)
+    left, right = (np.array(side, dtype=float).reshape(len(conditions), -1) for side in function(values))
+    return left, right

@@ -138,14 +138,25 @@ def list_(what: str) -> None:
 @click.argument("result", type=click.Path(path_type=Path))
 @click.option("--out", type=click.Path(path_type=Path), help="Where figures are written; beside RESULT by default.")
 def figures(result: Path, out: Path | None) -> None:
-    """Draw the figures of RESULT.nc again, without a run."""
+    """Draw the figures of RESULT.nc, a run or a sweep, again without a run."""
     with user_errors():
         from .figures import save_figures
-        from .files import load_run, writable_folder
+        from .files import ResultError, load, writable_folder
+        from .sweep_figures import save_sweep_figures
 
-        dataset = load_run(result)
-        written = save_figures(dataset, writable_folder(out or result.parent), result.stem)
-        click.echo(_written(written))
+        dataset = load(result)
+        if "x_hat" not in dataset and "failed_at" not in dataset:
+            raise ResultError(f"{result} cannot be drawn: it is neither a run nor a sweep")
+        folder = writable_folder(out or result.parent)
+        written, sentence = (
+            (save_figures(dataset, folder, result.stem), "")
+            if "x_hat" in dataset
+            else save_sweep_figures(dataset, folder, result.stem)
+        )
+        if sentence:
+            click.echo(sentence)
+        if written:
+            click.echo(_written(written))
 
 
 @commands.command()

@@ -97,14 +97,6 @@ def load(path: Path) -> xr.Dataset:
         return file.load()
 
 
-def load_run(path: Path) -> xr.Dataset:
-    """A run that `save` has written. ResultError if it is none, or damaged."""
-    dataset = load(path)
-    if "x_hat" not in dataset:
-        raise ResultError(f"{path} cannot be read as a run: it has no estimates")
-    return dataset
-
-
 def sealed(content: bytes) -> bytes:
     """`content` with a hash behind it."""
     return content + b"hillobs " + hashlib.sha256(content).digest()

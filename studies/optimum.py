@@ -20,12 +20,14 @@ def axes_of(dataset: xr.Dataset) -> Axes:
 
 def failed(dataset: xr.Dataset) -> xr.DataArray:
     """(…, seed, observer) whether the observer or the plant failed."""
-    return dataset.failed_at.notnull() | dataset.plant_failed_at.notnull()
+    lost: xr.DataArray = dataset.failed_at.notnull() | dataset.plant_failed_at.notnull()
+    return lost
 
 
 def errors(dataset: xr.Dataset) -> xr.DataArray:
     """RMSE (…, seed, observer, quantity); a failed run is infinitely wrong, else those that survive would be chosen."""
-    return xr.where(failed(dataset), np.inf, dataset.rmse)
+    counted: xr.DataArray = dataset.rmse.where(~failed(dataset), np.inf)
+    return counted
 
 
 def medians(dataset: xr.Dataset) -> xr.DataArray:

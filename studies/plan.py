@@ -166,8 +166,8 @@ def _observers(
     """What `prepare` is asked for, and the estimators of the sweep if they are others."""
     if given is None:
         # an axis of one observer says nothing of the others
-        owners = list(dict.fromkeys(path.partition(".")[0] for path in over))
-        return (list(owners), ()) if owners and all(owner in OBSERVERS for owner in owners) else (None, ())
+        owners = dict.fromkeys(path.partition(".")[0] for path in over)
+        return [owner for owner in owners if owner in OBSERVERS] or None, ()
     every = [given] if isinstance(given, str | Block) else list(given)
     names = tuple(dict.fromkeys(o.name if isinstance(o, Block) else o for o in every))
     asked = [observer for observer in every if observer != BASELINE]

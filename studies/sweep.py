@@ -62,7 +62,8 @@ def sweep(
 ) -> xr.Dataset:
     """Run a scenario for all values in `over` and all seeds, and return the measures of each run.
 
-    source, observers, changes: as for `simulate`; "baseline" is an observer too. By default those that own the paths.
+    source, observers, changes: as for `simulate`; "baseline" is an observer too. By default those whose
+        numbers are swept, or all.
     over: path → values, or an `axes.Range`; one dimension each, named by the path (`point`, if not a grid).
     seeds: how many, from 0, or which. kind: grid, zip, or a design of `samples` points: latin, sobol.
     out: file of the result; what is computed is kept beside it, and the same call goes on where it was.
@@ -117,7 +118,7 @@ def sweep_planned(
                 parts.write(part, computed)
             done += len(computed)
             progress(done, wanted.runs)
-        result = sweep_dataset(wanted, numbers, identity, compiled.path.stem, baseline)
+        result = sweep_dataset(wanted, numbers, identity, compiled, baseline)
         if parts is not None and out is not None:
             save_netcdf(result, out)
             parts.remove()

@@ -8,10 +8,15 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 from types import FrameType
+from typing import TYPE_CHECKING
 
 import click
 
-from .terminal import complain, counted, print_table, user_errors
+from .quote import escaped
+from .terminal import bar, complain, counted, print_table, user_errors
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 _INTERRUPTED, _NUMERICAL = 128, 1
 
@@ -24,7 +29,11 @@ _INTERRUPTED, _NUMERICAL = 128, 1
 @click.option("--design", metavar="KIND:N", help="N points of a design in the ranges: latin:N or sobol:N.")
 @click.option("--observer", "observers", multiple=True, metavar="NAME", help="Only this observer; may be repeated.")
 @click.option("--set", "settings", multiple=True, metavar="PATH=VALUE", help="Change a number of the scenario.")
-@click.option("--out", metavar="FILE.nc", help="Where the result is written; an unfinished sweep goes on there.")
+@click.option("--out", metavar="FILE.nc", help="Where result and figures go; an unfinished sweep goes on there.")
+@click.option(
+    "--quantity", "quantities", multiple=True, metavar="NAME", help="Show this one: x2, Delta, …; repeatable."
+)
+@click.option("--no-figures", is_flag=True, help="Write no figures.")
 @click.option("--workers", metavar="N", help="Threads; one per core by default.")
 @click.option("--baseline", default="native", show_default=True, help="Processors to compile for.")
 @click.option("--yes", is_flag=True, help="Do not ask before a very large sweep.")
@@ -37,6 +46,8 @@ def sweep(
     observers: tuple[str, ...],
     settings: tuple[str, ...],
     out: str | None,
+    quantities: tuple[str, ...],
+    no_figures: bool,
     workers: str | None,
     baseline: str,
     yes: bool,
@@ -45,12 +56,14 @@ def sweep(
     with user_errors():
         from .axes import parse_axis
         from .files import writable_folder
+        from .pace import Pace
         from .plan import MANY_RUNS, plan
         from .scenario import parse_change
         from .sweep import on_threads, sweep_planned
-        from .sweep_report import notes, optimum
+        from .sweep_report import SHOWN, check_quantities, notes, optimum
         from .table import ScenarioError
 
+        check_quantities(quantities)
         axes = dict(parse_axis(text) for text in over)
         if len(axes) < len(over):
             raise ScenarioError("a path is given to --over twice")
@@ -71,14 +84,28 @@ def sweep(
         compute = on_threads(None if workers is None else _whole("--workers", workers, 1))
         path = None if out is None else writable_folder(Path(out).parent) / Path(out).name
         with _signals(path), counted("runs", wanted.runs) as advance:
-            dataset = sweep_planned(wanted, path, compute, baseline, advance)
-        for note in notes(dataset):
+            pace = Pace(advance)
+            dataset = sweep_planned(wanted, path, compute, baseline, pace)
+        for note in (*pace.sentences(), *notes(dataset)):
             click.echo(note)
-        print_table(optimum(dataset))
+        print_table(optimum(dataset, quantities or SHOWN))
         if path is not None:
-            click.echo(f"written to {path}")
+            click.echo(_written(dataset, path, quantities, no_figures))
     if dataset.failed_at.notnull().any() or dataset.plant_failed_at.notnull().any():
         sys.exit(_NUMERICAL)
+
+
+def _written(dataset: xr.Dataset, path: Path, quantities: tuple[str, ...], no_figures: bool) -> str:
+    """Draw the figures beside the result, and say where both are."""
+    written = escaped(f"written to {path}")
+    if no_figures:
+        return written
+    from .sweep_figures import SHOWN, save_sweep_figures
+
+    with bar("drawing"):
+        drawn, sentence = save_sweep_figures(dataset, path.parent, path.stem, quantities or SHOWN)
+    names = "".join(f", {figure.name} and .pdf" for figure in drawn if figure.suffix == ".png")
+    return f"{sentence}\n{written}{names}".lstrip()
 
 
 def _whole(option: str, text: str, least: int) -> int:

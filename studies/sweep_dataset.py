@@ -9,11 +9,13 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from ..codegen.batch import CompiledLoop
 from ..codegen.library import Array
 from ..model.symbols import QUANTITIES
 from .causes import causes, flags
 from .dataset import MEASURES as SENTENCES
 from .dataset import about, repeatable
+from .gains import swept_conditions
 from .plan import PART, Plan
 from .prepare import Prepared
 
@@ -25,10 +27,10 @@ def width(wanted: Plan) -> int:
     return len(wanted.observers) * (len(MEASURES) * len(QUANTITIES) + 2) + 2
 
 
-def sweep_dataset(wanted: Plan, numbers: Array, identity: str, library: str, baseline: str) -> xr.Dataset:
+def sweep_dataset(wanted: Plan, numbers: Array, identity: str, compiled: CompiledLoop, baseline: str) -> xr.Dataset:
     """(runs × width) numbers with names; everything to repeat the sweep is in the attributes.
 
-    identity: hash of all that determines them; library, baseline: the code that ran.
+    identity: hash of all that determines them; compiled, baseline: the code that ran.
     """
     shape = (*wanted.axes.shape, len(wanted.seeds))
     dimensions = (*wanted.axes.dimensions, "seed")
@@ -66,7 +68,8 @@ def sweep_dataset(wanted: Plan, numbers: Array, identity: str, library: str, bas
         "kind": wanted.axes.kind,
         "axes": json.dumps(list(wanted.axes.paths)),
         "identity": identity,
-        "library": library,
+        "violated_conditions": json.dumps(_violated(wanted, compiled)),
+        "library": compiled.path.stem,
         "baseline": baseline,
         "part": str(PART),
     }
@@ -79,3 +82,11 @@ def _about_axis(prepared: Prepared, path: str) -> dict[str, object]:
     values = {prepared.value(member) for member in members}
     own = {"scenario_value": values.pop()} if len(values) == 1 else {}
     return {**about(prepared.table.paths[members[0]].sentence), **own}
+
+
+def _violated(wanted: Plan, compiled: CompiledLoop) -> dict[str, list[str]]:
+    """The gain conditions that do not hold somewhere, with suprema from a run of the scenario itself."""
+    prepared = wanted.prepared
+    values = {block.name: prepared.table.values(block, prepared.scenario.given) for block in compiled.loop.blocks}
+    truth = compiled.run(prepared.grid, prepared.scenario.seed, values, ())[compiled.loop.truth.name]
+    return swept_conditions(wanted, truth)

@@ -17,10 +17,8 @@ import xarray as xr
 from hillobs.studies.files import (
     ResultError,
     load,
-    load_run,
     measures_csv,
     save,
-    save_netcdf,
     writable_folder,
     write_whole,
 )
@@ -210,12 +208,6 @@ def test_others_can_read_a_result(engine: str, run: xr.Dataset, tmp_path: Path) 
             xr.testing.assert_identical(file.x_hat.load(), run.x_hat)
 
 
-def test_a_result_that_is_no_run_is_refused(tmp_path: Path) -> None:
-    save_netcdf(xr.Dataset({"rank": ("t", [4.0])}), tmp_path / "x.nc")
-    with pytest.raises(ResultError, match=r"x\.nc cannot be read as a run: it has no estimates"):
-        load_run(tmp_path / "x.nc")
-
-
 @pytest.mark.parametrize("read", [load, lambda path: prepare(path, None, {})], ids=["result", "scenario"])
 @pytest.mark.parametrize("what", ["pipe", "device", "sparse", "folder"])
 def test_only_regular_files_of_some_size_are_read(what: str, read: Callable[[Path], object], tmp_path: Path) -> None:
@@ -364,7 +356,7 @@ def test_a_disk_that_fills_up_leaves_whole_files_or_none(size: int, run: xr.Data
 SAVE = """
 import resource, sys
 from pathlib import Path
-from hillobs.studies.files import ResultError, load, load_run, save
+from hillobs.studies.files import ResultError, load, save
 run = load(Path(sys.argv[1]))
 resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[3]),) * 2)
 try:

@@ -268,7 +268,10 @@ def test_a_result_of_another_sweep_is_not_overwritten(tmp_path: Path) -> None:
     assert (tmp_path / "x.nc").read_bytes() == before
 
 
-COMMAND = [sys.executable, "-m", "hillobs", "sweep", "paper-noisy", "--over", "high_gain.eps_h=log:0.02:0.5:40"]
+COMMAND = [
+    *(sys.executable, "-m", "hillobs", "sweep", "paper-noisy", "--no-figures"),
+    *("--over", "high_gain.eps_h=log:0.02:0.5:40"),
+]
 
 
 @pytest.mark.parametrize("kind", [signal.SIGKILL, signal.SIGINT, signal.SIGTERM])
