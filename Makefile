@@ -21,7 +21,7 @@ $(VENV)/.installed: pyproject.toml
 sim: $(VENV)/.installed ## both of the paper's simulations, with all figures, into results/
 	$(BIN)/hillobs simulate
 
-sweep: $(VENV)/.installed ## error over ε_h, δ_s and δ_a, with and without noise, into results/
+sweep: $(VENV)/.installed ## error over ε_h, δ_s and δ_a, with and without noise, and a map, into results/
 	$(BIN)/python -m hillobs.studies.sweep_study
 
 test: $(VENV)/.installed ## all tests

@@ -84,13 +84,13 @@ def own_place(dataset: xr.Dataset, path: object) -> int | None:
 
 
 def logarithmic(values: Array) -> bool:
-    """Whether values are spread more evenly in the logarithm."""
+    """Whether values reach far and are spread more evenly in the logarithm."""
     ordered = np.unique(values)
-    if len(ordered) < _FEWEST or ordered[0] <= 0:
+    if len(ordered) < _FEWEST or ordered[-1] < _FAR * ordered[0] or ordered[0] <= 0:
         return False
     linear, ratios = np.diff(ordered), np.diff(np.log(ordered))
     return bool(np.std(ratios) / np.mean(ratios) < np.std(linear) / np.mean(linear))
 
 
-# two values lie evenly on any scale
-_FEWEST = 3
+# two values lie evenly on any scale; a short axis of logarithms would have no number on it
+_FEWEST, _FAR = 3, 5.0

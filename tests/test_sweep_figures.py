@@ -187,7 +187,14 @@ def test_the_table_has_the_quantities_asked_for(line: xr.Dataset) -> None:
 
 @pytest.mark.parametrize(
     ("values", "expected"),
-    [([1, 2, 4, 8], True), ([1, 2, 3, 4], False), ([0, 1, 10], False), ([1, 10], False), ([0.05, 0.1, 0.2, 0.5], True)],
+    [
+        ([1, 2, 4, 8], True),
+        ([1, 2, 3, 4], False),
+        ([0, 1, 10], False),
+        ([1, 10], False),
+        ([1, 1.1, 1.21], False),
+        ([0.05, 0.1, 0.2, 0.5], True),
+    ],
 )
 def test_a_scale_is_that_of_the_values(values: list[float], expected: bool) -> None:
     assert logarithmic(np.array(values, dtype=float)) is expected
