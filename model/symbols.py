@@ -60,6 +60,7 @@ STATES = ("x1", "x2", "x3", "x4")
 MUSCLES = ("muscle1", "muscle2")
 # what an observer estimates and every table scores, in this order
 QUANTITIES = (*STATES, "Delta", "u1", "u2", "a1", "a2")
+ACTIVATIONS = frozenset(("a1", "a2"))
 MEASURED = ("y1", "y2", "y3")
 
 

@@ -45,10 +45,10 @@ def label(name: str) -> str:
 _ACTIVATIONS = ("a1_hat", "a2_hat")
 
 
-def estimator(observer: Block, curves: CurveSet = NGUYEN2019) -> Block:
+def estimator(observer: Block, curves: CurveSet = NGUYEN2019, activations: bool = True) -> Block:
     """`observer` with the activation block behind it (unless it estimates the activations itself).
 
-    Refuses a Block without the observer's ports (BlockError).
+    Without `activations` nobody asks for them. Refuses a Block without the observer's ports (BlockError).
     """
     if wrong := [name for name in observer.u if name not in INPUTS]:
         raise BlockError(f"{observer.name}: an observer sees {', '.join(INPUTS)} only, not {', '.join(wrong)}")
@@ -62,7 +62,7 @@ def estimator(observer: Block, curves: CurveSet = NGUYEN2019) -> Block:
     if len(own) == 1:
         other = next(name for name in _ACTIVATIONS if name not in own)
         raise BlockError(f"{observer.name}: it estimates {own[0]}, so it must estimate {other} as well")
-    behind = [] if own else [activation_estimate(curves)]
+    behind = [] if own or not activations else [activation_estimate(curves)]
     for part in (*behind, tendons(curves)):
         _refuse_clashes(observer, part)
     connections = {f"{observer.name}.{port}": port for port in observer.u}
@@ -70,7 +70,8 @@ def estimator(observer: Block, curves: CurveSet = NGUYEN2019) -> Block:
     external = {port: "t" if port == "t" else "held" if port in observer.held else "staged" for port in observer.u}
     wired = wire(observer.name, [observer, *behind], connections, external)
     every = [*wired.x, *wired.y, *wired.p, *wired.guards, *wired.domain]
-    whole = rename(wired, observer.name, {key: key.partition(".")[2] for key in every}, [*ESTIMATES, *_ACTIVATIONS])
+    outputs = [*ESTIMATES, *(_ACTIVATIONS if activations else ())]
+    whole = rename(wired, observer.name, {key: key.partition(".")[2] for key in every}, outputs)
     # its own numbers of the tendons that tell it L_S1 and L_S2
     parameters = {**whole.parameters, **per_muscle(curves.tendon)}
     return replace(
@@ -93,9 +94,9 @@ def _refuse_clashes(observer: Block, part: Block) -> None:
         )
 
 
-def baseline_estimator(curves: CurveSet = NGUYEN2019) -> Block:
+def baseline_estimator(curves: CurveSet = NGUYEN2019, activations: bool = True) -> Block:
     """The trivial baseline, wired like an observer."""
-    return estimator(baseline(), curves)
+    return estimator(baseline(), curves, activations)
 
 
 __all__ = ["ESTIMATES", "OBSERVERS", "Observer", "baseline_estimator", "estimator", "hat", "label"]

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import casadi as ca
 
 from ..model.block import Block, Parameter, Symbols, symbols
 from ..model.symbols import MUSCLES, QUANTITIES, SIGNALS, hat, muscle_of
 
+# what can be taken of a quantity
+MEASURES = ("rmse", "peak", "settling", "chattering")
 # the differences of these from sample to sample are the chattering
 CHATTERING = ("Delta", "u1", "u2", "a1", "a2")
 # a quantity of a muscle counts only while its tendon is taut
@@ -22,21 +26,23 @@ def _switch(condition: ca.SX, new: ca.SX, old: ca.SX) -> ca.SX:
     return old + condition * (new - old)
 
 
-def score() -> Block:
+def score(quantities: Sequence[str] = QUANTITIES, measures: Sequence[str] = MEASURES) -> Block:
     """Inputs: t, the truth, the estimates; held: `window` (1 while errors count).
 
-    States per quantity: squares (of the window), peak, settling (over the whole run), and from sample to sample
-    chatter and previous for the chattering ones. Per muscle, and for what always counts: count of grid points in the
-    window, pairs of neighbouring samples, and whether the last sample counted.
+    States per quantity, as far as the measures need them: squares (of the window), peak, settling (over the whole
+    run), and from sample to sample chatter and previous for the chattering ones. Per muscle, and for what always
+    counts: count of grid points in the window, pairs of neighbouring samples, and whether the last sample counted.
     """
-    truth, taut = symbols(QUANTITIES), symbols(filter(None, _TAUT.values()))
-    estimate = symbols(hat(name) for name in QUANTITIES)
-    flags = symbols("t window")
+    owners = [owner for owner in _TAUT if owner in map(counted_with, quantities)]
+    chattering = [name for name in quantities if name in CHATTERING and "chattering" in measures]
+    truth, taut = symbols(quantities), symbols(_TAUT[owner] for owner in owners if _TAUT[owner])
+    estimate, flags = symbols(hat(name) for name in quantities), symbols("t window")
     parameters = {
         f"tolerance.{name}": Parameter(
             SIGNALS[name].tolerance, f"error of {name} that counts as settled", "spec §9", above=0
         )
-        for name in QUANTITIES
+        for name in quantities
+        if "settling" in measures
     }
     p = symbols(parameters)
     x, per_step, at_sample = Symbols(), Symbols(), Symbols()
@@ -46,27 +52,32 @@ def score() -> Block:
         to.update({f"{prefix}.{key}": expression for key, expression in now.items()})
 
     seen, pair = {}, {}
-    for name, port in _TAUT.items():
-        seen[name] = taut[port] if port else ca.SX(1)
-        state = symbols("count")
-        add(per_step, name, state, Symbols(count=state.count + flags.window * seen[name]))
-        state = symbols("pairs counted")
+    for name in owners:
+        seen[name] = taut[_TAUT[name]] if _TAUT[name] else ca.SX(1)
         # neighbouring samples, both in the window and both taut
         counts = flags.window * seen[name]
-        pair[name] = counts * state.counted
-        add(at_sample, name, state, Symbols(pairs=state.pairs + pair[name], counted=counts))
-    for name in QUANTITIES:
+        if "rmse" in measures:
+            state = symbols("count")
+            add(per_step, name, state, Symbols(count=state.count + counts))
+        if name in map(counted_with, chattering):
+            state = symbols("pairs counted")
+            pair[name] = counts * state.counted
+            add(at_sample, name, state, Symbols(pairs=state.pairs + pair[name], counted=counts))
+    for name in quantities:
         counts, value = seen[counted_with(name)], estimate[hat(name)]
         error = counts * (value - truth[name])
-        state = symbols("squares peak settling")
-        now = Symbols(
-            squares=state.squares + flags.window * error**2,
-            peak=ca.fmax(state.peak, ca.fabs(error)),
+        if "rmse" in measures:
+            state = symbols("squares")
+            add(per_step, name, state, Symbols(squares=state.squares + flags.window * error**2))
+        if "peak" in measures:
+            state = symbols("peak")
+            add(per_step, name, state, Symbols(peak=ca.fmax(state.peak, ca.fabs(error))))
+        if "settling" in measures:
+            state = symbols("settling")
             # the last time |error| exceeds the tolerance
-            settling=_switch(ca.fabs(error) > p[f"tolerance.{name}"], flags.t, state.settling),
-        )
-        add(per_step, name, state, now)
-        if name in CHATTERING:
+            late = _switch(ca.fabs(error) > p[f"tolerance.{name}"], flags.t, state.settling)
+            add(per_step, name, state, Symbols(settling=late))
+        if name in chattering:
             state = symbols("chatter previous")
             change = pair[counted_with(name)] * ca.fabs(value - state.previous)
             add(at_sample, name, state, Symbols(chatter=state.chatter + change, previous=value))

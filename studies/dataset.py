@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import json
 from collections.abc import Mapping, Sequence
 
@@ -13,7 +12,7 @@ from ..codegen.batch import Failure, Trace
 from ..codegen.library import Array
 from ..model.symbols import MEASURED, QUANTITIES, SIGNALS, STATES, hat
 from .gains import gain_conditions
-from .measures import Measure, measures
+from .measures import KINDS, measures
 from .prepare import BASELINE, Prepared
 from .scenario import CHOICES
 from .table import RUN, block_paths
@@ -60,9 +59,9 @@ def dataset(prepared: Prepared, traces: Mapping[str, Trace], library: str) -> xr
     if truth.failure:  # the sums stop with the truth, they are no measures of the run
         scores = {name: dict.fromkeys(sums, np.nan) for name, sums in scores.items()}
     errors = {name: measures(sums, points, grid.h, grid.steps * grid.h) for name, sums in scores.items()}
-    for key in (field.name for field in dataclasses.fields(Measure)):
-        values = np.array([[getattr(errors[e][q], key) for q in QUANTITIES] for e in estimators])
-        data[key] = (("estimator", "quantity"), values, about(MEASURES[key]))
+    for kind, sentence in KINDS.items():
+        values = np.array([[errors[e][kind][q] for q in QUANTITIES] for e in estimators])
+        data[kind] = (("estimator", "quantity"), values, about(sentence))
     time = np.arange(n) * (grid.record * grid.h)
     coordinates = {
         "time": ("time", time, about("time τ")),
@@ -74,15 +73,6 @@ def dataset(prepared: Prepared, traces: Mapping[str, Trace], library: str) -> xr
         "quantity": list(QUANTITIES),
     }
     return xr.Dataset(data, coordinates, _manifest(prepared, traces, library))
-
-
-MEASURES = {
-    "rmse": "root of the mean squared error over [score.start, T]",
-    "peak": "largest |error| over [0, T]",
-    "settling": "last time the error exceeded its tolerance; NaN if it still does at the end",
-    "chattering": "mean change of the estimate from sample to sample over [score.start, T]",
-    "masked": "time within [score.start, T] in which the tendon was slack and the quantity did not count",
-}
 
 
 def about(sentence: str) -> dict[str, str]:

@@ -145,7 +145,7 @@ def _estimation(variant: Variant, progress: Progress) -> Estimation:
     error = np.abs(s["x1"] - s["x1_hat"])
     return Estimation(
         variant,
-        rmse={name: float(m.rmse) for name, m in measures(trace.score, points, grid.h, end).items()},
+        rmse={q: float(e) for q, e in measures(trace.score, points, grid.h, end, kinds=["rmse"])["rmse"].items()},
         x1_largest=float(error[run.t >= grid.window * grid.h].max()),
         nearest={hat(name): _nearest(s[hat(name)], signals, run.t >= end / 2) for name, signals in _true(s).items()},
         guards={name: time for name, time in trace.guards.items() if time > 0},

@@ -16,7 +16,7 @@ import xarray as xr
 
 from ..codegen.library import Array
 from ..model.symbols import MEASURED, STATES, hat
-from .measures import Measure
+from .measures import KINDS
 from .reading import cause, read_whole
 
 # an observer's estimates in the order of a CSV file; its further states follow
@@ -133,7 +133,7 @@ def columns(dataset: xr.Dataset) -> Iterator[tuple[str, str, Array]]:
 
 def measures_csv(dataset: xr.Dataset) -> str:
     """One row per estimator and quantity; empty where a measure is not defined."""
-    keys = list(Measure.__dataclass_fields__)
+    keys = list(KINDS)
     rows = [
         [dataset.attrs["scenario"], dataset.attrs["seed"], estimator, quantity]
         + [_written(float(dataset[key].sel(estimator=estimator, quantity=quantity))) for key in keys]

@@ -14,23 +14,33 @@ from ..model.curves import NGUYEN2019, CurveSet
 from ..model.pair import DRIVES
 from ..model.pulses import PULSES
 from ..model.sensors import NOISE_CHANNELS, sensors
+from ..model.symbols import ACTIVATIONS, QUANTITIES
 from ..observers import OBSERVERS, baseline_estimator, estimator
-from ..observers.score import score
+from ..observers.score import MEASURES, score
 from ..observers.tendons import tendons, tendons_of_a_step
 from .table import Table, table
 
 
 @functools.lru_cache(maxsize=16)
-def paper_loop(drive: str, curves: CurveSet, custom: tuple[Block, ...] = (), controller: Block | None = None) -> Loop:
-    """The closed loop with all registered observers, the baseline and `custom` ones."""
-    own = [baseline_estimator(curves), *(estimator(observer.build(), curves) for observer in OBSERVERS.values())]
+def paper_loop(
+    drive: str,
+    curves: CurveSet,
+    custom: tuple[Block, ...] = (),
+    controller: Block | None = None,
+    quantities: tuple[str, ...] = QUANTITIES,
+    measures: tuple[str, ...] = MEASURES,
+) -> Loop:
+    """The closed loop with all registered observers, the baseline and `custom` ones; only what is named is scored."""
+    activations = not ACTIVATIONS.isdisjoint(quantities)
+    own = [baseline_estimator(curves, activations)]
+    own += [estimator(block, curves, activations) for block in (*(o.build() for o in OBSERVERS.values()), *custom)]
     return Loop(
         truth=closed_loop(drive, curves, controller),
         sensors=sensors(),
         front=tendons(curves),
         near=tendons_of_a_step(STAGES, curves),
-        observers=(*own, *(estimator(block, curves) for block in custom)),
-        score=score(),
+        observers=tuple(own),
+        score=score(quantities, measures),
         noise=NOISE_CHANNELS,
         pulses=PULSES,
     )

@@ -2,48 +2,57 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..codegen.library import Array
 from ..model.symbols import QUANTITIES
-from ..observers.score import CHATTERING, counted_with
+from ..observers.score import CHATTERING, MEASURES, counted_with
+
+# of a recorded run; a sweep takes those of the score
+KINDS: Mapping[str, str] = {
+    "rmse": "root of the mean squared error over [score.start, T]",
+    "peak": "largest |error| over [0, T]",
+    "settling": "last time the error exceeded its tolerance; NaN if it still does at the end",
+    "chattering": "mean change of the estimate from sample to sample over [score.start, T]",
+    "masked": "time within [score.start, T] in which the tendon was slack and the quantity did not count",
+}
 
 
-@dataclass(frozen=True)
-class Measure:
-    """How well one quantity was estimated, in one run or many; NaN where the window is empty or the observer failed."""
+def measures(
+    score: Mapping[str, ArrayLike],
+    window_points: int,
+    h: float,
+    end: float,
+    quantities: Sequence[str] = QUANTITIES,
+    kinds: Sequence[str] = (*MEASURES, "masked"),
+) -> dict[str, dict[str, Array]]:
+    """Kind → quantity → how well it was estimated, in one run or many; NaN where it is not defined.
 
-    rmse: Array  # over [score.start, T]
-    peak: Array  # over [0, T]
-    settling: Array  # last time the error exceeded its tolerance; NaN if it still does at the end
-    chattering: Array  # mean |v̂((k+1)T_s) − v̂(k T_s)| over [score.start, T]; NaN where it is not defined
-    masked: Array  # time within [score.start, T] in which the tendon was slack
-
-
-def measures(score: Mapping[str, ArrayLike], window_points: int, h: float, end: float) -> dict[str, Measure]:
-    """A Measure per quantity. window_points: grid points in the window; h: step; end: last time of the run."""
+    window_points: grid points in the window; h: step; end: last time of the run.
+    """
     sums = {name: np.asarray(value, dtype=float) for name, value in score.items()}
-    return {name: _measure(name, sums, window_points, h, end) for name in QUANTITIES}
 
+    def one(kind: str, name: str) -> Array:
+        whose = counted_with(name)
+        if kind == "rmse":
+            # RMSE = √(Σ error²/n),  n the points at which the tendon was taut
+            return np.sqrt(_ratio(sums[f"{name}.squares"], sums[f"{whose}.count"]))
+        if kind == "peak":
+            return sums[f"{name}.peak"]
+        if kind == "settling":
+            settling = sums[f"{name}.settling"]
+            return np.where(settling > end - h / 2, np.nan, settling)
+        if kind == "masked":
+            return (window_points - sums[f"{whose}.count"]) * h
+        if name not in CHATTERING:
+            return np.full_like(next(iter(sums.values())), np.nan)
+        # mean |v̂((k+1)T_s) − v̂(k T_s)|
+        return _ratio(sums[f"{name}.chatter"], sums[f"{whose}.pairs"])
 
-def _measure(name: str, score: Mapping[str, Array], window_points: int, h: float, end: float) -> Measure:
-    whose = counted_with(name)
-    count, settling = score[f"{whose}.count"], score[f"{name}.settling"]
-    chattering = np.full_like(settling, np.nan)
-    if name in CHATTERING:
-        chattering = _ratio(score[f"{name}.chatter"], score[f"{whose}.pairs"])
-    return Measure(
-        # RMSE = √(Σ error²/n),  n the points at which the tendon was taut
-        rmse=np.sqrt(_ratio(score[f"{name}.squares"], count)),
-        peak=score[f"{name}.peak"],
-        settling=np.where(settling > end - h / 2, np.nan, settling),
-        chattering=chattering,
-        masked=(window_points - count) * h,
-    )
+    return {kind: {name: one(kind, name) for name in quantities} for kind in kinds}
 
 
 def _ratio(total: Array, count: Array) -> Array:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
 
 from ..codegen.library import Array
+from ..model.symbols import QUANTITIES
 from ..observers import OBSERVERS
 from .axes import Axes
 
@@ -16,6 +18,12 @@ def axes_of(dataset: xr.Dataset) -> Axes:
     """The axes of a sweep's result."""
     paths = json.loads(dataset.attrs["axes"])
     return Axes(dataset.attrs["kind"], tuple(paths), tuple(dataset[path].values for path in paths))
+
+
+def shown_of(dataset: xr.Dataset, usual: Sequence[str]) -> list[str]:
+    """The quantities to show: the usual ones of all, or those that were asked for."""
+    there: list[str] = dataset.quantity.values.tolist()
+    return list(usual) if len(there) == len(QUANTITIES) else there
 
 
 def failed(dataset: xr.Dataset) -> xr.DataArray:

@@ -15,16 +15,19 @@ from numpy.typing import NDArray
 from ..codegen.library import Array
 from ..codegen.memory import Grid
 from ..model.block import Block
+from ..model.symbols import QUANTITIES
 from ..observers import OBSERVERS
+from ..observers.score import MEASURES
 from .axes import Axes, Values, axes, combinations
 from .prepare import BASELINE, Prepared, prepare, time_grid
+from .quote import shown
 from .scenario import Value, checked_number
 from .table import RUN, ScenarioError, block_paths
 
 # runs that are computed, kept and counted together: a few seconds of one core
 PART = 512
 # counts up when the numbers of a part change their meaning, so that old parts are not read as new ones
-_LAYOUT = 2
+_LAYOUT = 3
 # from here on a sweep is asked for twice
 MANY_RUNS = 100_000_000
 # numbers that have to fit together are checked for every combination, if there are no more than these
@@ -43,6 +46,8 @@ class Plan:
     axes: Axes
     seeds: Seeds
     observers: tuple[str, ...]
+    quantities: tuple[str, ...]
+    measures: tuple[str, ...]
 
     @property
     def runs(self) -> int:
@@ -70,7 +75,7 @@ class Plan:
         for block in self.prepared.loop.blocks:
             base = np.array(self.prepared.table.values(block, self.prepared.scenario.given))
             rows = np.broadcast_to(base, (len(runs), len(base))).copy()
-            for column, places in self._reach(block):
+            for column, places in self.reach(block):
                 rows[:, places] = points[:, column : column + 1]
             result[block.name] = rows
         return result
@@ -101,6 +106,7 @@ class Plan:
             "axes": [self.axes.kind, *zip(self.axes.paths, (v.tolist() for v in self.axes.values), strict=True)],
             "seeds": self.seeds.tolist(),
             "observers": list(self.observers),
+            "scored": [list(self.quantities), list(self.measures)],
             "code": [library, PART, _LAYOUT],
         }
 
@@ -108,7 +114,7 @@ class Plan:
         numbers = {**self.prepared.scenario.given, **given}
         return time_grid(lambda path: self.prepared.table.value(path, numbers))
 
-    def _reach(self, block: Block) -> list[tuple[int, list[int]]]:
+    def reach(self, block: Block) -> list[tuple[int, list[int]]]:
         """For each axis, the places among the numbers of `block` that it sets."""
         table, given = self.prepared.table, self.prepared.scenario.given
         # a number that no one gives marks what follows from each axis
@@ -129,19 +135,44 @@ def plan(
     changes: Mapping[str, Value] | None = None,
     kind: str = "grid",
     samples: int = 0,
+    quantities: Sequence[str] = QUANTITIES,
+    measures: Sequence[str] = MEASURES,
 ) -> Plan:
     """Everything of a sweep that can be wrong before it starts. ScenarioError says what is."""
     chosen, wanted = _observers(observers, over)
-    prepared = prepare(source, chosen, changes or {})
+    # in the order of the tables, whatever the order asked for; the RMSE is always among the measures
+    scored = _chosen("quantity", quantities, QUANTITIES), _chosen("measure", ["rmse", *measures], MEASURES)
+    prepared = prepare(source, chosen, changes or {}, *scored)
     made = axes(over, kind, samples)
     for path, values in zip(made.paths, made.values, strict=True):
         if path in ("seed", "record") or not prepared.table.expand(path):
             raise ScenarioError(f"{path} cannot be swept" + ("; use seeds" if path == "seed" else ""))
         for value in np.unique(values).tolist():
             checked_number(path, value, prepared.table)
-    result = Plan(prepared, made, _seeds(seeds), wanted or prepared.observers)
+    result = Plan(prepared, made, _seeds(seeds), wanted or prepared.observers, *scored)
+    _check_effect(result)
     _check_together(result, source, chosen, changes or {})
     return result
+
+
+def _chosen(what: str, names: Sequence[str], known: Sequence[str]) -> tuple[str, ...]:
+    """Those of `known` that are named. ScenarioError if another one is, or none."""
+    for name in names:
+        if name not in known:
+            raise ScenarioError(f"unknown {what} {shown(name)}; there are {', '.join(known)}")
+    if not names:
+        raise ScenarioError(f"a sweep needs at least one {what}")
+    return tuple(name for name in known if name in names)
+
+
+def _check_effect(wanted: Plan) -> None:
+    """Each axis must change a number of what runs."""
+    loop = wanted.prepared.loop
+    running = [b for b in loop.blocks if b not in loop.observers or b.name in wanted.observers]
+    moved = {axis for block in running for axis, _ in wanted.reach(block)}
+    for i, path in enumerate(wanted.axes.paths):
+        if i not in moved and not all(member in RUN for member in wanted.prepared.table.expand(path)):
+            raise ScenarioError(f"{path} changes nothing here: nothing that runs and is scored takes it")
 
 
 def _check_together(

@@ -12,8 +12,9 @@ from ..codegen.memory import Grid
 from ..model.block import Block
 from ..model.curves import CURVES, NGUYEN2019
 from ..model.pulses import PULSES
-from ..model.symbols import MUSCLES, hat
+from ..model.symbols import MUSCLES, QUANTITIES, hat
 from ..observers import OBSERVERS
+from ..observers.score import MEASURES
 from .loops import full_table, paper_loop
 from .quote import shown
 from .scenario import Scenario, Value, read, scenario, shipped
@@ -50,9 +51,16 @@ class Prepared:
 
 
 def prepare(
-    source: str | Path, observers: Sequence[str | Block] | str | Block | None, changes: Mapping[str, Value]
+    source: str | Path,
+    observers: Sequence[str | Block] | str | Block | None,
+    changes: Mapping[str, Value],
+    quantities: tuple[str, ...] = QUANTITIES,
+    measures: tuple[str, ...] = MEASURES,
 ) -> Prepared:
-    """Everything of a run that can be wrong before it starts. ScenarioError says what is."""
+    """Everything of a run that can be wrong before it starts. ScenarioError says what is.
+
+    quantities, measures: what is scored, and how.
+    """
     if isinstance(observers, str | Block):
         observers = [observers]
     name, content = read(source)
@@ -74,7 +82,7 @@ def prepare(
     checked = scenario(name, content, changes, every)
     curves = CURVES[checked.choices.get("muscle.curves", NGUYEN2019.name)]
     every.check(curves, checked.given)
-    loop = paper_loop(checked.drive, curves, custom)
+    loop = paper_loop(checked.drive, curves, custom, None, quantities, measures)
     prepared = Prepared(checked, loop, every, time_grid(lambda path: every.value(path, checked.given)), chosen)
     _check_force_factors(prepared)
     _check_samples(prepared)

@@ -19,15 +19,16 @@ from ..codegen.library import Array
 from ..codegen.toolchain import NATIVE
 from ..model.block import Block
 from ..model.symbols import QUANTITIES
+from ..observers.score import MEASURES
 from .axes import Values
 from .causes import cause_of, causes
 from .files import ResultError, load, save_netcdf
 from .loops import compile_loop
-from .measures import measures
+from .measures import measures as measures_of
 from .parts import Parts
 from .plan import Plan, plan
 from .scenario import Value
-from .sweep_dataset import MEASURES, sweep_dataset, width
+from .sweep_dataset import sweep_dataset, width
 from .table import ScenarioError
 
 # runs done so far, of all; runs of an earlier start count as done at once
@@ -58,6 +59,8 @@ def sweep(
     out: str | Path | None = None,
     workers: int | None = None,
     baseline: str = NATIVE,
+    quantities: Sequence[str] = QUANTITIES,
+    measures: Sequence[str] = MEASURES,
     progress: Progress = lambda done, all_runs: None,
 ) -> xr.Dataset:
     """Run a scenario for all values in `over` and all seeds, and return the measures of each run.
@@ -68,13 +71,14 @@ def sweep(
     seeds: how many, from 0, or which. kind: grid, zip, or a design of `samples` points: latin, sobol.
     out: file of the result; what is computed is kept beside it, and the same call goes on where it was.
     workers: threads; by default one per core. baseline: processors to compile for, see `hillobs.codegen.toolchain`.
+    quantities, measures: what is scored, and how beside the RMSE; the fewer, the faster.
 
     The Dataset has rmse, peak, settling, chattering (…, seed, observer, quantity), failed_at (…, seed, observer) and
     plant_failed_at (…, seed): the time of a failure or NaN; after one, measures are NaN. failure and plant_failure say
     what failed, as places in the attribute flag_meanings; 0 is none. Everything is dimensionless.
     ScenarioError for what cannot be run, ResultError for `out`, BuildError if nothing can be compiled.
     """
-    wanted = plan(source, over or {}, seeds, observers, changes, kind, samples)
+    wanted = plan(source, over or {}, seeds, observers, changes, kind, samples, quantities, measures)
     return sweep_planned(wanted, None if out is None else Path(out), on_threads(workers), baseline, progress)
 
 
@@ -181,15 +185,16 @@ def compute_part(
         own = {name: values[which] for name, values in parameters.items()}
         seeds = wanted.seeds[runs[which] % len(wanted.seeds)]
         outcomes = compiled.batch(grid, seeds, own, wanted.observers, progress)
-        columns = []
+        columns: list[Array] = []
         for observer in wanted.observers:
             outcome = outcomes[observer]
             sums = dict(zip(names, outcome.sums.T, strict=True))
-            found = measures(sums, max(0, grid.steps - grid.window + 1), grid.h, grid.steps * grid.h)
-            columns += [getattr(found[quantity], measure) for measure in MEASURES for quantity in QUANTITIES]
-            columns += [_time(outcome.failed, grid.h), cause_of(blocks[observer], outcome, every)]
+            points, end = max(0, grid.steps - grid.window + 1), grid.steps * grid.h
+            found = measures_of(sums, points, grid.h, end, wanted.quantities, wanted.measures)
+            columns += [found[kind][quantity] for kind in wanted.measures for quantity in wanted.quantities]
+            columns += [_time(outcome.failed, grid.h), cause_of(blocks[observer], outcome, every).astype(float)]
         plant = outcomes[compiled.loop.truth.name]
-        columns += [_time(plant.failed, grid.h), cause_of(compiled.loop.truth, plant, every)]
+        columns += [_time(plant.failed, grid.h), cause_of(compiled.loop.truth, plant, every).astype(float)]
         result[which] = np.stack(columns, axis=1)
     return result
 

@@ -30,8 +30,9 @@ _INTERRUPTED, _NUMERICAL = 128, 1
 @click.option("--observer", "observers", multiple=True, metavar="NAME", help="Only this observer; may be repeated.")
 @click.option("--set", "settings", multiple=True, metavar="PATH=VALUE", help="Change a number of the scenario.")
 @click.option("--out", metavar="FILE.nc", help="Where result and figures go; an unfinished sweep goes on there.")
+@click.option("--quantity", "quantities", multiple=True, metavar="NAME", help="Score x2, Delta, … only; repeatable.")
 @click.option(
-    "--quantity", "quantities", multiple=True, metavar="NAME", help="Show this one: x2, Delta, …; repeatable."
+    "--measure", "kinds", multiple=True, metavar="NAME", help="Take peak, settling, chattering only; the RMSE always."
 )
 @click.option("--no-figures", is_flag=True, help="Write no figures.")
 @click.option("--workers", metavar="N", help="Threads; one per core by default.")
@@ -47,6 +48,7 @@ def sweep(
     settings: tuple[str, ...],
     out: str | None,
     quantities: tuple[str, ...],
+    kinds: tuple[str, ...],
     no_figures: bool,
     workers: str | None,
     baseline: str,
@@ -54,16 +56,17 @@ def sweep(
 ) -> None:
     """Run SCENARIO for all values of some parameters and many seeds; print where the errors are smallest."""
     with user_errors():
+        from ..model.symbols import QUANTITIES
+        from ..observers.score import MEASURES
         from .axes import parse_axis
         from .files import writable_folder
         from .pace import Pace
         from .plan import MANY_RUNS, plan
         from .scenario import parse_change
         from .sweep import on_threads, sweep_planned
-        from .sweep_report import SHOWN, check_quantities, notes, optimum
+        from .sweep_report import notes, optimum
         from .table import ScenarioError
 
-        check_quantities(quantities)
         axes = dict(parse_axis(text) for text in over)
         if len(axes) < len(over):
             raise ScenarioError("a path is given to --over twice")
@@ -78,6 +81,8 @@ def sweep(
             dict(parse_change(text) for text in settings),
             kind,
             _whole("--design", samples, 0),
+            quantities or QUANTITIES,
+            kinds or MEASURES,
         )
         if wanted.runs > MANY_RUNS and not yes:
             raise ScenarioError(f"{wanted.runs:,} runs are more than {MANY_RUNS:,}; say --yes if they are meant")
@@ -88,22 +93,22 @@ def sweep(
             dataset = sweep_planned(wanted, path, compute, baseline, pace)
         for note in (*pace.sentences(), *notes(dataset)):
             click.echo(note)
-        print_table(optimum(dataset, quantities or SHOWN))
+        print_table(optimum(dataset))
         if path is not None:
-            click.echo(_written(dataset, path, quantities, no_figures))
+            click.echo(_written(dataset, path, no_figures))
     if dataset.failed_at.notnull().any() or dataset.plant_failed_at.notnull().any():
         sys.exit(_NUMERICAL)
 
 
-def _written(dataset: xr.Dataset, path: Path, quantities: tuple[str, ...], no_figures: bool) -> str:
+def _written(dataset: xr.Dataset, path: Path, no_figures: bool) -> str:
     """Draw the figures beside the result, and say where both are."""
     written = escaped(f"written to {path}")
     if no_figures:
         return written
-    from .sweep_figures import SHOWN, save_sweep_figures
+    from .sweep_figures import save_sweep_figures
 
     with bar("drawing"):
-        drawn, sentence = save_sweep_figures(dataset, path.parent, path.stem, quantities or SHOWN)
+        drawn, sentence = save_sweep_figures(dataset, path.parent, path.stem)
     names = "".join(f", {figure.name} and .pdf" for figure in drawn if figure.suffix == ".png")
     return f"{sentence}\n{written}{names}".lstrip()
 

@@ -11,20 +11,17 @@ import xarray as xr
 
 from ..codegen.batch import CompiledLoop
 from ..codegen.library import Array
-from ..model.symbols import QUANTITIES
 from .causes import causes, flags
-from .dataset import MEASURES as SENTENCES
 from .dataset import about, repeatable
 from .gains import swept_conditions
+from .measures import KINDS
 from .plan import PART, Plan
 from .prepare import Prepared
-
-MEASURES = ("rmse", "peak", "settling", "chattering")
 
 
 def width(wanted: Plan) -> int:
     """Numbers per run: measures, time and cause of a failure of each observer; time and cause of the plant's."""
-    return len(wanted.observers) * (len(MEASURES) * len(QUANTITIES) + 2) + 2
+    return len(wanted.observers) * (len(wanted.measures) * len(wanted.quantities) + 2) + 2
 
 
 def sweep_dataset(wanted: Plan, numbers: Array, identity: str, compiled: CompiledLoop, baseline: str) -> xr.Dataset:
@@ -35,12 +32,12 @@ def sweep_dataset(wanted: Plan, numbers: Array, identity: str, compiled: Compile
     shape = (*wanted.axes.shape, len(wanted.seeds))
     dimensions = (*wanted.axes.dimensions, "seed")
     each = numbers[:, :-2].reshape(*shape, len(wanted.observers), -1)
-    by_measure = each[..., :-2].reshape(*shape, len(wanted.observers), len(MEASURES), len(QUANTITIES))
+    by_measure = each[..., :-2].reshape(*shape, len(wanted.observers), len(wanted.measures), len(wanted.quantities))
     names = causes(wanted.prepared.loop, wanted.observers)
     plant_failed_at, plant_failure = numbers[:, -2:].T.reshape(2, *shape)
     data: dict[str, tuple[tuple[str, ...], np.ndarray[Any, Any], Mapping[str, object]]] = {
-        name: ((*dimensions, "observer", "quantity"), by_measure[..., i, :], about(SENTENCES[name]))
-        for i, name in enumerate(MEASURES)
+        name: ((*dimensions, "observer", "quantity"), by_measure[..., i, :], about(KINDS[name]))
+        for i, name in enumerate(wanted.measures)
     }
     data["failed_at"] = ((*dimensions, "observer"), each[..., -2], about("when the observer failed; NaN if it did not"))
     data["plant_failed_at"] = (dimensions, plant_failed_at, about("when the plant failed; NaN if not"))
@@ -57,7 +54,7 @@ def sweep_dataset(wanted: Plan, numbers: Array, identity: str, compiled: Compile
     coordinates: dict[str, object] = {
         "seed": wanted.seeds,
         "observer": list(wanted.observers),
-        "quantity": list(QUANTITIES),
+        "quantity": list(wanted.quantities),
     }
     for path, values in zip(wanted.axes.paths, wanted.axes.values, strict=True):
         where = path if wanted.axes.kind == "grid" else "point"

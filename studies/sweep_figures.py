@@ -2,26 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 
 import xarray as xr
 from matplotlib.figure import Figure
 
 from .figures import write_figures
+from .optimum import shown_of
 from .sweep_curves import curves
 from .sweep_maps import maps
 from .sweep_panels import varied
 from .sweep_scatter import scatter
 
-SHOWN = ("x2", "Delta", "u1", "a1")
+_SHOWN = ("x2", "Delta", "u1", "a1")
 # columns that a page has room for
 _MOST_COLUMNS = 5
 
 
-def sweep_figures(dataset: xr.Dataset, quantities: Sequence[str] = SHOWN) -> tuple[dict[str, Figure], str]:
+def sweep_figures(dataset: xr.Dataset) -> tuple[dict[str, Figure], str]:
     """The figures by name, and a sentence where they are not what is expected: `curves`, `map-OBSERVER` or `points`."""
-    paths, grid = varied(dataset), dataset.attrs["kind"] == "grid"
+    paths, grid, quantities = varied(dataset), dataset.attrs["kind"] == "grid", shown_of(dataset, _SHOWN)
     if not paths:
         return {}, "no figure: no parameter has more than one value"
     if grid and len(paths) == 1:
@@ -34,9 +34,7 @@ def sweep_figures(dataset: xr.Dataset, quantities: Sequence[str] = SHOWN) -> tup
     return {"points": scatter(dataset, quantities)}, f"{why}: the figure has a column of points per parameter, no map"
 
 
-def save_sweep_figures(
-    dataset: xr.Dataset, folder: str | Path, stem: str, quantities: Sequence[str] = SHOWN
-) -> tuple[list[Path], str]:
+def save_sweep_figures(dataset: xr.Dataset, folder: str | Path, stem: str) -> tuple[list[Path], str]:
     """Write every figure as `STEM-KEY.png` and `.pdf`; the paths, and the sentence of `sweep_figures`."""
-    drawn, sentence = sweep_figures(dataset, quantities)
+    drawn, sentence = sweep_figures(dataset)
     return write_figures(drawn, folder, stem), sentence

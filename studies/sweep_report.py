@@ -3,34 +3,22 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 import numpy as np
 import xarray as xr
 from rich.table import Table
 from rich.text import Text
 
-from ..model.symbols import QUANTITIES
 from ..observers import label
-from .optimum import at_scenario, axes_of, best, free, medians, own_value
-from .quote import shown
+from .optimum import at_scenario, axes_of, best, free, medians, own_value, shown_of
 from .region import where
 from .report import number
-from .table import ScenarioError
 
-SHOWN = ("x2", "Delta", "u1", "u2", "a1", "a2")
-
-
-def check_quantities(names: Sequence[str]) -> None:
-    """ScenarioError if one is no quantity, or is there twice."""
-    for name in names:
-        if name not in QUANTITIES:
-            raise ScenarioError(f"unknown quantity {shown(name)}; there are {', '.join(QUANTITIES)}")
-    if len(set(names)) < len(names):
-        raise ScenarioError("a quantity is given twice")
+_SHOWN = ("x2", "Delta", "u1", "u2", "a1", "a2")
 
 
-def optimum(dataset: xr.Dataset, quantities: Sequence[str] = SHOWN) -> Table:
+def optimum(dataset: xr.Dataset) -> Table:
     """For each observer and quantity the smallest median RMSE over the seeds, where it is, and the scenario's own."""
     paths, every = axes_of(dataset).paths, medians(dataset)
     compared = dataset.attrs["kind"] == "grid" and bool(paths)
@@ -38,7 +26,7 @@ def optimum(dataset: xr.Dataset, quantities: Sequence[str] = SHOWN) -> Table:
     for heading in ("", "quantity", *paths, "median RMSE", *(["scenario's own"] if compared else [])):
         table.add_column(heading, no_wrap=True, justify="left" if heading in ("", "quantity") else "right")
     for observer in dataset.observer.values.tolist():
-        for quantity in quantities:
+        for quantity in shown_of(dataset, _SHOWN):
             median = every.sel(observer=observer, quantity=quantity)
             if (found := best(dataset, median, observer)) is None:
                 continue

@@ -11,7 +11,7 @@ from .figures import write_figures
 from .files import save_netcdf, writable_folder
 from .sweep import sweep
 from .sweep_curves import curves
-from .sweep_figures import SHOWN, sweep_figures
+from .sweep_figures import sweep_figures
 from .terminal import print_table, user_errors
 
 _TRIO = {
@@ -20,6 +20,7 @@ _TRIO = {
     "adaptive_sliding_mode.delta_a": Range(0.006, 0.2, 25, logarithmic=True),
 }
 _SEEDS = 40
+_SHOWN = ("x2", "Delta", "u1", "a1")
 # how the best ε_h moves with the noise: from none to speak of to ten times the paper's
 _MAP = {
     "high_gain.eps_h": Range(0.02, 0.5, 25, logarithmic=True),
@@ -41,7 +42,7 @@ def main() -> None:
             name = f"sweep-{path.rpartition('.')[2]}"
             for dataset, suffix in ((clean, "clean"), (noisy, "noisy")):
                 save_netcdf(dataset, folder / f"{name}-{suffix}.nc")
-            write_figures({"trade-off": curves(noisy, SHOWN, clean)}, folder, name)
+            write_figures({"trade-off": curves(noisy, _SHOWN, clean)}, folder, name)
             click.echo(f"{path}, {_SEEDS} seeds, with noise:")
             print_table(optimum(noisy))
         both = sweep("paper-noisy", _MAP, seeds=_MAP_SEEDS)

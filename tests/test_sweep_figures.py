@@ -346,7 +346,7 @@ def test_a_sweep_without_figures(command, tmp_path: Path) -> None:
 
 def test_what_cannot_be_shown_is_said(command, tmp_path: Path) -> None:
     assert "unknown quantity 'x9'; there are x1, x2" in command(*SWEEP, "--quantity", "x9")[2]
-    assert "a quantity is given twice" in command(*SWEEP, "--quantity", "x1", "--quantity", "x1")[2]
+    assert "unknown measure 'error'; there are rmse, peak" in command(*SWEEP, "--measure", "error")[2]
     save_netcdf(xr.Dataset({"rank": ("t", [4.0])}), tmp_path / "x.nc")
     code, _, err = command("figures", "x.nc")
     assert (code, err) == (2, "hillobs: x.nc cannot be drawn: it is neither a run nor a sweep\n")
