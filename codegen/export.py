@@ -169,7 +169,15 @@ def _part(block: Block, table: Mapping[str, ca.Function]) -> str:
         **{f"HAS_{role.upper()}": int(role in table) for role in ("sample", "each")},
     }
     roles = [_role(role, table[role]) for role in _ROLES if role in table]
-    return f"struct Part_{block.name} {{\n    {_enumeration(sizes)}{''.join(roles)}}};\n"
+    return f"struct Part_{block.name} {{\n    {_enumeration(sizes)}{_total(block)}{''.join(roles)}}};\n"
+
+
+def _total(block: Block) -> str:
+    """The sum of all states and outputs, which is finite only if they are; an output that is a state counts once."""
+    states = {symbol.element_hash() for symbol in block.x.values()}
+    terms = [f"x[{i}]" for i in range(len(block.x))]
+    terms += [f"y[{i}]" for i, output in enumerate(block.y.values()) if output.element_hash() not in states]
+    return f"    INLINE V total(const V *x, const V *y) {{ (void)x, (void)y; return {' + '.join(terms or ['V(0.0)'])}; }}\n"
 
 
 def _role(role: str, function: ca.Function) -> str:

@@ -173,7 +173,7 @@ def _target(baseline: str) -> tuple[str, ...]:
     if machine != platform.machine().lower().replace("amd64", "x86_64"):
         raise BuildError(f"The baseline {baseline} is for x86-64; this machine is {platform.machine()}.")
     # registers of 512 bits, where there are any: gcc would rather use half of them
-    wide = ("-mprefer-vector-width=512",) if platform.machine() == "x86_64" and baseline != "scalar" else ()
+    wide = ("-mprefer-vector-width=512", "-DHILLOBS_SLOW_DIVISION") if platform.machine() == "x86_64" and baseline != "scalar" else ()
     return (*flags, *wide)
 
 

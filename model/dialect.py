@@ -6,6 +6,8 @@ import casadi as ca
 
 # keeps e/(δ + |e|) defined for e = δ = 0 and changes no other value
 _TINY = 1e-300
+# no rate is larger, and a product with it is finite
+_HUGE = 1e300
 
 
 def clamp(value: ca.SX, low: ca.SX | float, high: ca.SX | float) -> ca.SX:
@@ -21,6 +23,16 @@ def outside(value: ca.SX, low: ca.SX | float, high: ca.SX | float) -> ca.SX:
 def sg(error: ca.SX, delta: ca.SX) -> ca.SX:
     """sg_δ(e) = e/(δ + |e|), the smoothed sign with boundary layer δ [deltas]; δ = 0 is the sign itself."""
     return error / (ca.fabs(error) + (delta + _TINY))
+
+
+def no_lower(rate: ca.SX, value: ca.SX, low: ca.SX | float) -> ca.SX:
+    """The projection of the rate of `value` that keeps it above `low`: a fall ends there."""
+    return ca.fmax(rate, -_HUGE * (value > low))
+
+
+def no_higher(rate: ca.SX, value: ca.SX, high: ca.SX | float) -> ca.SX:
+    """The projection of the rate of `value` that keeps it below `high`: a rise ends there."""
+    return ca.fmin(rate, _HUGE * (value < high))
 
 
 def root(error: ca.SX) -> ca.SX:

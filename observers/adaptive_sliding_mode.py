@@ -7,7 +7,7 @@ import math
 import casadi as ca
 
 from ..model.block import Block, Parameter, Symbols, symbols
-from ..model.dialect import clamp, dead_zone, root, sg
+from ..model.dialect import clamp, dead_zone, no_higher, no_lower, root, sg
 from ..model.skeleton import MASS
 from .conditions import RK4_LIMIT, Condition, above, below, between, equal, positive
 from .ports import SENSED, START, estimates, output_errors, start
@@ -60,10 +60,9 @@ def adaptive_sliding_mode() -> Block:
     d0 = L - ca.fabs(x.Delta_hat) / (p.a_dual * p.beta0) - p.eps_a0
     # l̇_a = −(r₀₀ + r_a0) sg(d₀)   [dotla], [rhoa0]; a projection at L_min
     rate = -(p.r00 + x.r_a0) * sg(d0, p.delta_a)
-    free = 1 - (L <= p.L_min) * (rate < 0)
-    dl_a = free * rate
-    # ṙ_a0 = γ_a0|d₀| if |d₀| > δ₀₀ else 0   [dra0]
-    dr_a0 = free * _second_layer(x.r_a0, p.gamma_a0 * dead_zone(d0, p.delta00), p)
+    dl_a = no_lower(rate, L, p.L_min)
+    # ṙ_a0 = γ_a0|d₀| if |d₀| > δ₀₀ else 0   [dra0]; frozen where the projection holds l_a
+    dr_a0 = (dl_a == rate) * _second_layer(x.r_a0, p.gamma_a0 * dead_zone(d0, p.delta00), p)
 
     # α = α₀√L,  β = β₀L,  φ = −(L̇/L) e₁
     L = ca.fmax(L, p.L_min)
@@ -117,16 +116,16 @@ def _gain(k: ca.SX, r: ca.SX, u_hat: ca.SX, j: int, p: Symbols) -> tuple[ca.SX, 
     d = k - ca.fabs(u_hat) / p[f"alpha_a{j}"] - p[f"eps_a{j}"]
     # k̇_j = −(r₀j + r_aj) sg(d_j)   [kj], [rhoaj]; a projection on [0, k_max]
     rate = -(p[f"r0{j}"] + r) * sg(d, p.delta_a)
-    free = 1 - ca.fmax((k <= 0) * (rate < 0), (k >= p.k_max) * (rate > 0))
-    # ṙ_aj = γ_aj|d_j| if |d_j| > δ₀j else 0   [draj]
+    dk = no_higher(no_lower(rate, k, 0), k, p.k_max)
+    free = dk == rate
+    # ṙ_aj = γ_aj|d_j| if |d_j| > δ₀j else 0   [draj]; frozen where the projection holds k_j
     dr = free * _second_layer(r, p[f"gamma_a{j}"] * dead_zone(d, p[f"delta0{j}"]), p)
-    return free * rate, dr, free
+    return dk, dr, free
 
 
 def _second_layer(r: ca.SX, growth: ca.SX, p: Symbols) -> ca.SX:
     """The rate of a second layer: growth less leak, a projection at r_max."""
-    rate = growth - p.leak * r
-    return (1 - (r >= p.r_max) * (rate > 0)) * rate
+    return no_higher(growth - p.leak * r, r, p.r_max)
 
 
 def conditions(p: Symbols, facts: Symbols) -> list[Condition]:

@@ -86,7 +86,17 @@ INLINE void set_lane(V &x, int l, double value) { memcpy((char *)&x + 8 * l, &va
 BINARY(operator+, a + b)
 BINARY(operator-, a - b)
 BINARY(operator*, a * b)
-BINARY(operator/, a / b)
+#if defined HILLOBS_SLOW_DIVISION && HILLOBS_BYTES == 64
+INLINE Reals quotient(Reals a, Reals b) {
+    Reals r = __builtin_ia32_rcp14pd512_mask(b, b, 255);
+    r = r + r * (1.0 - b * r);
+    const Reals q = a * r;
+    return q + r * (a - b * q);
+}
+#else
+INLINE Reals quotient(Reals a, Reals b) { return a / b; }
+#endif
+BINARY(operator/, quotient(a, b))
 UNARY(operator-, -a)
 // a comparison is 1 or 0, as in C
 BINARY(operator<, pick(a < b, all(1), all(0)))
@@ -104,11 +114,20 @@ UNARY(fabs, magnitude(a))
 TERNARY(select, pick(a != all(0), b, c))
 
 // is it other than 0 in any lane?
-INLINE bool any(V mask) {
-    int64_t found = 0;
-    for (int i = 0; i < GROUPS; ++i)
-        for (int j = 0; j < WIDTH; ++j) found |= (int64_t)(lane(mask, i * WIDTH + j) != 0);
-    return found != 0;
+#if HILLOBS_BYTES == 64
+typedef long long Longs __attribute__((vector_size(64)));  // what compilers call it here
+INLINE bool some(Mask mask) { return __builtin_ia32_cmpq512_mask((Longs)mask, Longs{}, 4, 255) != 0; }
+#elif HILLOBS_BYTES == 32
+INLINE bool some(Mask mask) { return __builtin_ia32_movmskpd256((Reals)mask) != 0; }
+#elif HILLOBS_BYTES == 16
+INLINE bool some(Mask mask) { return (mask[0] | mask[1]) != 0; }
+#else
+INLINE bool some(Mask mask) { return mask; }
+#endif
+INLINE bool any(V x) {
+    Mask found = x.low != all(0);
+    SECOND(found |= x.high != all(0);)
+    return some(found);
 }
 
 INLINE void given(const V *pointer) {

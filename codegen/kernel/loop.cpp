@@ -1,6 +1,8 @@
 // Many closed loops at once: the truth, then every observer and its score, grid point by grid point.
 
 enum { N_HELD = N_NOISE + N_PULSES + 2, N_STAGED = N_MEASURED + N_FRONT, N_ROW = 4 * N_SEEN + N_TRUTH };
+// grid points that one observer after the other passes: their code and what they see stay in the nearest caches
+enum { TILE = 8 };
 
 // A block at work in all lanes. All arrays are the caller's, aligned for V.
 struct Part {
@@ -40,10 +42,15 @@ struct Batch {
     int64_t tile;
 };
 
-// What one step of the truth shows: what sensors see at each stage; its outputs, with room for estimates behind.
-struct Row {
-    V seen[4 * N_SEEN];
-    V y[N_TRUTH + N_ESTIMATES];
+// What there is to see at one grid point and during the step that begins there.
+struct Moment {
+    V t[4], held[N_HELD];
+    V seen[4 * N_SEEN], y[N_TRUTH];  // of the truth: what sensors look at, stage by stage; its outputs
+};
+
+// What observers see at the four stages of a step: the measurements and what their front makes of them.
+struct Sight {
+    V staged[4 * N_STAGED];
 };
 
 // all that it calls becomes part of it: then CasADi's questions whether a pointer is null are answered at compile time
@@ -51,31 +58,33 @@ struct Row {
 
 static const double NODES[] = {0, 0.5, 0.5, 1};
 
-static __attribute__((noinline)) void draw(const Batch &batch, Runs &runs, int64_t k) {
-    const bool sample = batch.hold > 0 && k % batch.hold == 0;
-    if (sample)
-        for (int i = 0; i < N_NOISE; ++i) noise(runs.seeds, (uint64_t)i, (uint64_t)(k / batch.hold), runs.held + i);
-    for (int i = 0; i < N_PULSES; ++i) runs.held[N_NOISE + i] = batch.pulse_on[i] <= k && k < batch.pulse_off[i];
-    runs.held[N_NOISE + N_PULSES] = k >= batch.window;
-    runs.held[N_NOISE + N_PULSES + 1] = sample;
-}
-
 template <int N> INLINE void copy(const V *from, V *to) {
 #pragma GCC unroll 64  // or it becomes a call of memmove
     for (int i = 0; i < N; ++i) to[i] = from[i];
 }
 
-// not 0 in the lanes where a number is not finite or the domain is left
-template <class B> INLINE V wrong(const V *x, const V *y, const V *domain) {
-    V sum = 0.0;
-    for (int i = 0; i < B::NX; ++i) sum = x[i] * 0.0 + sum;
-    for (int i = 0; i < B::NY; ++i) sum = y[i] * 0.0 + sum;
+static __attribute__((noinline)) void draw(const Batch &batch, Runs &runs, int64_t k, Moment &now) {
+    const bool sample = batch.hold > 0 && k % batch.hold == 0;
+    if (sample)
+        for (int i = 0; i < N_NOISE; ++i) noise(runs.seeds, (uint64_t)i, (uint64_t)(k / batch.hold), runs.held + i);
+    for (int i = 0; i < 4; ++i) now.t[i] = ((double)k + NODES[i]) * batch.h;
+    copy<N_NOISE>(runs.held, now.held);
+    for (int i = 0; i < N_PULSES; ++i) now.held[N_NOISE + i] = batch.pulse_on[i] <= k && k < batch.pulse_off[i];
+    now.held[N_NOISE + N_PULSES] = k >= batch.window;
+    now.held[N_NOISE + N_PULSES + 1] = sample;
+}
+
+// true in a lane where a number may not be finite or the domain is left
+template <class B> INLINE bool suspect(const V *x, const V *y, const V *domain) {
+    const V total = B::total(x, y);
+    V sum = total - total;
     for (int i = 0; i < B::N_DOMAIN; ++i) sum = !(V(0.0) < domain[i]) + sum;
-    return sum;
+    return any(sum);
 }
 
 template <class B>
-static __attribute__((noinline)) void fail(Part &part, const Part &truth, int64_t k, const V *x, const V *y, const V *domain) {
+static __attribute__((noinline)) void fail(Part &part, const Part &truth, int64_t k, const V *y, const V *domain) {
+    const V *x = part.x;
     for (int l = 0; l < LANES; ++l)
         for (int i = 0; i < B::NX + B::NY + B::N_DOMAIN; ++i) {
             if (part.failed[l] >= 0 || truth.failed[l] >= 0) break;  // nothing is known of a truth that is not there
@@ -97,117 +106,135 @@ static __attribute__((noinline)) void keep(const Batch &batch, const Runs &runs,
 }
 
 template <class B>
-static FLAT void watch(Part &part, const Part &truth, const V *t, const V *held, const V *staged) {
+static FLAT void watch(Part &part, const Part &truth, const Moment &now, const V *staged) {
     V active[B::N_GUARDS + 1];
-    B::watch(t, part.c, part.x, held, staged, active);
+    B::watch(now.t, part.c, part.x, now.held, staged, active);
     for (int l = 0; l < LANES; ++l)
         for (int i = 0; i < B::N_GUARDS && part.failed[l] < 0 && truth.failed[l] < 0; ++i)
             set_lane(part.guards[i], l, lane(part.guards[i], l) + lane(active[i], l));
 }
 
+// What is done at few grid points: the states, which are elsewhere meanwhile, are brought home for it.
+template <class B>
+static __attribute__((noinline)) void attend(const Batch &batch, Runs &runs, Part &part, int64_t k, const Moment &now,
+                                            const V *staged, const V *y, const V *domain, bool wrong) {
+    if (wrong) fail<B>(part, runs.parts[0], k, y, domain);
+    if (part.record_x && k % batch.record == 0) keep<B>(batch, runs, part, k, y);
+    if (part.guards && k < batch.steps) watch<B>(part, runs.parts[0], now, staged);
+}
+
 // Jumps, outputs, checks and records at grid point k.
 template <class B>
-INLINE void visit(const Batch &batch, Runs &runs, Part &part, int64_t k, const V *t, const V *staged, V *y) {
+INLINE void visit(const Batch &batch, Runs &runs, Part &part, int64_t k, const Moment &now, const V *staged, V *x, V *y) {
     V after[B::NX + 1], domain[B::N_DOMAIN + 1];
     if constexpr (B::HAS_SAMPLE)
         if (batch.hold > 0 && k % batch.hold == 0) {
-            B::sample(t, part.c, part.x, runs.held, staged, after);
-            copy<B::NX>(after, part.x);
+            B::sample(now.t, part.c, x, now.held, staged, after);
+            copy<B::NX>(after, x);
         }
     if constexpr (B::HAS_EACH) {
-        B::each(t, part.c, part.x, runs.held, staged, after);
-        copy<B::NX>(after, part.x);
+        B::each(now.t, part.c, x, now.held, staged, after);
+        copy<B::NX>(after, x);
     }
-    B::out(t, part.c, part.x, runs.held, staged, y, domain);
-    if (any(wrong<B>(part.x, y, domain))) fail<B>(part, runs.parts[0], k, part.x, y, domain);
-    if (part.record_x && k % batch.record == 0) keep<B>(batch, runs, part, k, y);
-    if (part.guards && k < batch.steps) watch<B>(part, runs.parts[0], t, runs.held, staged);
+    B::out(now.t, part.c, x, now.held, staged, y, domain);
+    const bool wrong = suspect<B>(x, y, domain);
+    if (__builtin_expect(wrong || part.record_x || part.guards, 0)) {
+        // copies: a variable whose address is known elsewhere is kept in no register
+        V outputs[B::NY + 1], limits[B::N_DOMAIN + 1];
+        copy<B::NX>(x, part.x);
+        copy<B::NY>(y, outputs);
+        copy<B::N_DOMAIN>(domain, limits);
+        attend<B>(batch, runs, part, k, now, staged, outputs, limits, wrong);
+    }
 }
 
 // one function for both kinds of batches, so that sharing the truth changes no bit of it
-static FLAT void advance_truth(const Batch &batch, Runs &runs, int64_t k, Row &row) {
+static FLAT void advance_truth(const Batch &batch, Runs &runs, int64_t k, Moment &now) {
     Part &part = runs.parts[0];
-    const V t = (double)k * batch.h;
-    visit<Truth>(batch, runs, part, k, &t, 0, row.y);
-    V after[Truth::NX + 1];
-    Truth::step(&t, part.c, part.x, runs.held, 0, after, row.seen);
+    V x[Truth::NX + 1], after[Truth::NX + 1], y[N_TRUTH];
+    copy<Truth::NX>(part.x, x);
+    visit<Truth>(batch, runs, part, k, now, 0, x, y);
+    copy<N_TRUTH>(y, now.y);
+    Truth::step(now.t, part.c, x, now.held, 0, after, now.seen);
     if (k < batch.steps) copy<Truth::NX>(after, part.x);
 }
 
-static void spread(const double *values, Row &row) {
-    for (int i = 0; i < 4 * N_SEEN; ++i) row.seen[i] = values[i];
-    for (int i = 0; i < N_TRUTH; ++i) row.y[i] = values[4 * N_SEEN + i];
+static void spread(const double *values, Moment &now) {
+    for (int i = 0; i < 4 * N_SEEN; ++i) now.seen[i] = values[i];
+    for (int i = 0; i < N_TRUTH; ++i) now.y[i] = values[4 * N_SEEN + i];
 }
 
-static void collect(const Row &row, double *values) {
-    for (int i = 0; i < 4 * N_SEEN; ++i) values[i] = lane(row.seen[i], 0);
-    for (int i = 0; i < N_TRUTH; ++i) values[4 * N_SEEN + i] = lane(row.y[i], 0);
+static void collect(const Moment &now, double *values) {
+    for (int i = 0; i < 4 * N_SEEN; ++i) values[i] = lane(now.seen[i], 0);
+    for (int i = 0; i < N_TRUTH; ++i) values[4 * N_SEEN + i] = lane(now.y[i], 0);
 }
 
 // What the sensors show at the four stages of a step.
-static FLAT void measure(const Batch &batch, Runs &runs, int64_t k, const Row &row, V *measured) {
+static FLAT void measure(const Batch &batch, Runs &runs, int64_t k, const Moment &now, Sight &sight) {
     Part &part = runs.parts[1];
     V nothing[Sensors::N_DOMAIN + 1];
-    for (int i = 0; i < 4; ++i) {
-        const V t = ((double)k + NODES[i]) * batch.h;
-        Sensors::out(&t, part.c, 0, runs.held, row.seen + i * N_SEEN, measured + i * N_STAGED, nothing);
-    }
-    if (part.record_x && k % batch.record == 0) keep<Sensors>(batch, runs, part, k, measured);
+    for (int i = 0; i < 4; ++i)
+        Sensors::out(now.t + i, part.c, 0, now.held, now.seen + i * N_SEEN, sight.staged + i * N_STAGED, nothing);
+    if (part.record_x && k % batch.record == 0) keep<Sensors>(batch, runs, part, k, sight.staged);
 }
 
-// What observers see at the four stages of a step: the measurements and what a front makes of them.
-template <class N>
-static FLAT void see(const Batch &batch, Runs &runs, const FrontPart &part, int64_t k, const V *measured, V *staged) {
-    V near[4 * N_FRONT + 1], front[N_FRONT], nothing[N::N_DOMAIN + 1], doubt = 1.0;
-    copy<4 * N_STAGED>(measured, staged);
-    if constexpr (HAS_NEAR) {
-        const V t = (double)k * batch.h;
-        N::out(&t, part.c_near, 0, runs.held, measured, near, nothing);
-        doubt = near[4 * N_FRONT];
-    }
-    const bool check = any(doubt);
+// The front where the quick one may be wrong.
+static __attribute__((noinline)) void look_again(const FrontPart &part, const Moment &now, V doubt, Sight &sight) {
+    V front[N_FRONT], nothing[Front::N_DOMAIN + 1];
     for (int i = 0; i < 4; ++i) {
-        const V t = ((double)k + NODES[i]) * batch.h;
-        if (check) Front::out(&t, part.c, 0, runs.held, measured + i * N_STAGED, front, nothing);
-        for (int j = 0; j < N_FRONT; ++j) {
-            const V quick = near[i * N_FRONT + j];
-            staged[i * N_STAGED + N_MEASURED + j] = check ? select(doubt, front[j], quick) : quick;
+        V *staged = sight.staged + i * N_STAGED, *own = staged + N_MEASURED;
+        Front::out(now.t + i, part.c, 0, now.held, staged, front, nothing);
+        for (int j = 0; j < N_FRONT; ++j) own[j] = select(doubt, front[j], own[j]);
+    }
+}
+
+// What a front makes of the measurements.
+template <class N>
+static FLAT void see(const FrontPart &part, const Moment *moments, int64_t n, Sight *sights) {
+    for (int64_t k = 0; k < n; ++k) {
+        Sight &sight = sights[k];
+        V near[4 * N_FRONT + 1], nothing[N::N_DOMAIN + 1], doubt = 1.0;
+        if constexpr (HAS_NEAR) {
+            N::out(moments[k].t, part.c_near, 0, moments[k].held, sight.staged, near, nothing);
+            doubt = near[4 * N_FRONT];
+            for (int i = 0; i < 4; ++i) copy<N_FRONT>(near + i * N_FRONT, sight.staged + i * N_STAGED + N_MEASURED);
         }
+        if (any(doubt)) look_again(part, moments[k], doubt, sight);
     }
 }
 
 template <class S>
-INLINE void account(const Batch &batch, Runs &runs, Part &part, int64_t k, const V *t, const V *scored) {
-    const V *c = runs.parts[2 + N_OBSERVERS].c;
-    V sums[S::NX];
+INLINE void account(const Batch &batch, const V *c, int64_t k, const Moment &now, const V *scored, V *sums) {
+    V after[S::NX];
     if constexpr (S::HAS_SAMPLE)
         if (batch.hold > 0 && k % batch.hold == 0) {
-            S::sample(t, c, part.sums, runs.held, scored, sums);
-            copy<S::NX>(sums, part.sums);
+            S::sample(now.t, c, sums, now.held, scored, after);
+            copy<S::NX>(after, sums);
         }
-    S::each(t, c, part.sums, runs.held, scored, sums);
+    S::each(now.t, c, sums, now.held, scored, after);
+    copy<S::NX>(after, sums);
+}
+
+// One observer and its score at the grid points from `from` to `until`, exclusive.
+template <class B, class S>
+static FLAT void observe(const Batch &batch, Runs &runs, Part &part, int64_t from, int64_t until, const Moment *moments,
+                         const Sight *sights) {
+    V x[B::NX + 1], sums[S::NX], after[B::NX + 1];
+    copy<B::NX>(part.x, x);
+    copy<S::NX>(part.sums, sums);
+    for (int64_t k = from; k < until; ++k) {
+        const Moment &now = moments[k - from];
+        const V *staged = sights[k - from].staged;
+        V scored[N_TRUTH + N_ESTIMATES];
+        copy<N_TRUTH>(now.y, scored);
+        visit<B>(batch, runs, part, k, now, staged, x, scored + N_TRUTH);
+        account<S>(batch, runs.parts[2 + N_OBSERVERS].c, k, now, scored, sums);
+        if (k == batch.steps) break;
+        B::step(now.t, part.c, x, now.held, staged, after, 0);
+        copy<B::NX>(after, x);
+    }
+    copy<B::NX>(x, part.x);
     copy<S::NX>(sums, part.sums);
-}
-
-template <class B>
-INLINE void observe(const Batch &batch, Runs &runs, Part &part, int64_t k, Row &row, const V (*seen)[4 * N_STAGED]) {
-    if (!part.x) return;
-    const V *staged = seen[part.front], t = (double)k * batch.h;
-    visit<B>(batch, runs, part, k, &t, staged, row.y + N_TRUTH);
-    account<Score>(batch, runs, part, k, &t, row.y);
-    if (k == batch.steps) return;
-    V after[B::NX + 1];
-    B::step(&t, part.c, part.x, runs.held, staged, after, 0);
-    copy<B::NX>(after, part.x);
-}
-
-INLINE void observe_all(List<>, const Batch &, Runs &, Part *, int64_t, Row &, const V (*)[4 * N_STAGED]) {}
-
-template <class B, class... Rest>
-INLINE void observe_all(List<B, Rest...>, const Batch &batch, Runs &runs, Part *part, int64_t k, Row &row,
-                        const V (*seen)[4 * N_STAGED]) {
-    observe<B>(batch, runs, *part, k, row, seen);
-    observe_all(List<Rest...>(), batch, runs, part + 1, k, row, seen);
 }
 
 template <class B> static void prepare(const Batch &batch, Part &part) {
@@ -216,6 +243,12 @@ template <class B> static void prepare(const Batch &batch, Part &part) {
     for (int l = 0; l < LANES; ++l) part.failed[l] = -1;
 }
 
+// An observer may start from what is measured then.
+template <class B> static void begin(Runs &runs, Part &part, const Moment &now, const Sight &sight) {
+    B::init(now.t, part.p, runs.held, sight.staged, part.x);
+}
+
+// The observers that run, one by one.
 static void prepare_all(List<>, const Batch &, Part *) {}
 
 template <class B, class... Rest> static void prepare_all(List<B, Rest...>, const Batch &batch, Part *part) {
@@ -223,43 +256,49 @@ template <class B, class... Rest> static void prepare_all(List<B, Rest...>, cons
     prepare_all(List<Rest...>(), batch, part + 1);
 }
 
-// An observer may start from what is measured then.
-static void begin_all(List<>, Runs &, Part *, const V *, const V (*)[4 * N_STAGED]) {}
+typedef Sight Sights[N_OBSERVERS][TILE];
+
+static void observe_all(List<>, const Batch &, Runs &, Part *, int64_t, int64_t, const Moment *, const Sights &) {}
 
 template <class B, class... Rest>
-static void begin_all(List<B, Rest...>, Runs &runs, Part *part, const V *t, const V (*seen)[4 * N_STAGED]) {
-    if (part->x) B::init(t, part->p, runs.held, seen[part->front], part->x);
-    begin_all(List<Rest...>(), runs, part + 1, t, seen);
+static void observe_all(List<B, Rest...>, const Batch &batch, Runs &runs, Part *part, int64_t from, int64_t until,
+                        const Moment *moments, const Sights &sights) {
+    if (part->x) {
+        const Sight *own = sights[part->front];
+        if (from == 0) begin<B>(runs, *part, moments[0], own[0]);
+        observe<B, Score>(batch, runs, *part, from, until, moments, own);
+    }
+    observe_all(List<Rest...>(), batch, runs, part + 1, from, until, moments, sights);
 }
 
-static FLAT void advance(const Batch &batch, Runs &runs, int64_t from, int64_t until) {
-    Row row;
-    V measured[4 * N_STAGED], seen[N_OBSERVERS][4 * N_STAGED];
+// At most TILE grid points; `rows` are those of a truth that all share, or null.
+static void advance(const Batch &batch, Runs &runs, int64_t from, int64_t until, const double *rows) {
+    Moment moments[TILE];
+    Sights sights;
     for (int64_t k = from; k < until; ++k) {
-        draw(batch, runs, k);
-        if (batch.truth)
-            spread(batch.rows + (k - from) * N_ROW, row);
+        Moment &now = moments[k - from];
+        draw(batch, runs, k, now);
+        if (rows)
+            spread(rows + (k - from) * N_ROW, now);
         else
-            advance_truth(batch, runs, k, row);
-        measure(batch, runs, k, row, measured);
-        for (int64_t i = 0; i < runs.n_fronts; ++i) see<Near>(batch, runs, runs.fronts[i], k, measured, seen[i]);
-        if (k == 0) {
-            const V t = 0.0;
-            begin_all(Observers(), runs, runs.parts + 2, &t, seen);
-        }
-        observe_all(Observers(), batch, runs, runs.parts + 2, k, row, seen);
+            advance_truth(batch, runs, k, now);
+        measure(batch, runs, k, now, sights[0][k - from]);
+        for (int64_t i = 1; i < runs.n_fronts; ++i) copy<4 * N_STAGED>(sights[0][k - from].staged, sights[i][k - from].staged);
     }
+    for (int64_t i = 0; i < runs.n_fronts; ++i) see<Near>(runs.fronts[i], moments, until - from, sights[i]);
+    observe_all(Observers(), batch, runs, runs.parts + 2, from, until, moments, sights);
 }
 
 HILLOBS_EXPORT void hillobs_start(Batch *batch) {
-    const V t = 0.0, h = batch->h;
+    const V h = batch->h;
+    Moment now;
     batch->k = 0;
     for (int64_t i = batch->truth ? -1 : 0; i < batch->n_runs; ++i) {
         Runs &runs = i < 0 ? *batch->truth : batch->runs[i];
         if (i < 0 || !batch->truth) {
-            draw(*batch, runs, 0);
+            draw(*batch, runs, 0, now);
             prepare<Truth>(*batch, runs.parts[0]);
-            Truth::init(&t, runs.parts[0].p, runs.held, 0, runs.parts[0].x);
+            Truth::init(now.t, runs.parts[0].p, now.held, 0, runs.parts[0].x);
         }
         if (i < 0) continue;
         prepare<Sensors>(*batch, runs.parts[1]);
@@ -279,14 +318,17 @@ HILLOBS_EXPORT void hillobs_advance(Batch *batch, int64_t until) {
     while (batch->k < until) {
         const int64_t from = batch->k, to = until < from + batch->tile ? until : from + batch->tile;
         if (batch->truth) {
-            Row row;
+            Moment now;
             for (int64_t k = from; k < to; ++k) {
-                draw(*batch, *batch->truth, k);
-                advance_truth(*batch, *batch->truth, k, row);
-                collect(row, batch->rows + (k - from) * N_ROW);
+                draw(*batch, *batch->truth, k, now);
+                advance_truth(*batch, *batch->truth, k, now);
+                collect(now, batch->rows + (k - from) * N_ROW);
             }
         }
-        for (int64_t i = 0; i < batch->n_runs; ++i) advance(*batch, batch->runs[i], from, to);
+        for (int64_t i = 0; i < batch->n_runs; ++i)
+            for (int64_t k = from; k < to; k += TILE)
+                advance(*batch, batch->runs[i], k, k + TILE < to ? k + TILE : to,
+                        batch->truth ? batch->rows + (k - from) * N_ROW : 0);
         batch->k = to;
     }
 }
