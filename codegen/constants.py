@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import casadi as ca
 
-from .lowering import lowered
+from .lowering import as_written, lowered
 
 # the role that keeps the parameters: it runs once
 _ONCE = "init"
@@ -26,9 +26,10 @@ def hoisted(name: str, table: Mapping[str, ca.Function]) -> dict[str, ca.Functio
         inputs = {n: own.get(n, ca.SX.sym(n, *f.size_in(n))) for n in f.name_in()}
         arguments[role] = {n: symbol for n, symbol in inputs.items() if n not in own}
         results += f.call(list(inputs.values()))
-    reduced, symbols, values = _extracted(ca.cse(results), ca.vertcat(h, p))
-    c = ca.SX.sym("c", len(symbols))
-    reduced = ca.substitute(reduced, [ca.vertcat(*symbols)], [c]) if symbols else reduced
+    with as_written():
+        reduced, symbols, values = _extracted(ca.cse(results), ca.vertcat(h, p))
+        c = ca.SX.sym("c", len(symbols))
+        reduced = ca.cse(ca.substitute(reduced, [ca.vertcat(*symbols)], [c]) if symbols else reduced)
     constants = ca.cse(ca.densify(ca.vertcat(*values)))
     done = {
         _ONCE: table[_ONCE],
@@ -37,7 +38,7 @@ def hoisted(name: str, table: Mapping[str, ca.Function]) -> dict[str, ca.Functio
     for role, f in moving.items():
         outputs, reduced = reduced[: f.n_out()], reduced[f.n_out() :]
         inputs = {**arguments[role], "c": c}
-        done[role] = ca.Function(f"{name}_{role}", [*inputs.values()], ca.cse(outputs), [*inputs], f.name_out())
+        done[role] = ca.Function(f"{name}_{role}", [*inputs.values()], outputs, [*inputs], f.name_out())
     return done
 
 

@@ -1,8 +1,10 @@
-"""Expressions as the lanes want them: no branch, no division by what is constant over a run."""
+"""Expressions as the lanes want them: no branch, few divisions."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import collections
+import contextlib
+from collections.abc import Iterator, Mapping, Sequence
 
 import casadi as ca
 
@@ -10,13 +12,27 @@ import casadi as ca
 _HUGE = 1e300
 
 
-def lowered(expressions: Sequence[ca.SX], inputs: Sequence[ca.SX], reciprocals: Mapping[int, ca.SX]) -> list[ca.SX]:
-    """The same expressions in the symbols `inputs` (scalars), operation by operation.
+@contextlib.contextmanager
+def as_written() -> Iterator[None]:
+    """CasADi leaves expressions as they are written; else it makes `y/x` of `(1/x)·y` again."""
+    before = ca.GlobalOptions.getSimplificationOnTheFly()
+    ca.GlobalOptions.setSimplificationOnTheFly(False)
+    try:
+        yield
+    finally:
+        ca.GlobalOptions.setSimplificationOnTheFly(before)
 
-    reciprocals: hash of a symbol → symbol for its reciprocal; a division by the former multiplies by the latter.
+
+def lowered(expressions: Sequence[ca.SX], inputs: Sequence[ca.SX], reciprocals: Mapping[int, ca.SX]) -> list[ca.SX]:
+    """The same expressions in the symbols `inputs` (scalars), operation by operation; to be used `as_written`.
+
+    reciprocals: hash of a symbol → symbol for its reciprocal; a division by the former multiplies by the latter. So do
+    several divisions by one value.
     """
     f = ca.Function("f", inputs, [ca.densify(expression) for expression in expressions])
+    divisors = _divisors(f)
     work: dict[int, ca.SX] = {}
+    inverses: dict[int, ca.SX] = {}
     results = [[ca.SX(0)] * expression.numel() for expression in expressions]
     for k in range(f.n_instructions()):
         operation = f.instruction_id(k)
@@ -27,12 +43,30 @@ def lowered(expressions: Sequence[ca.SX], inputs: Sequence[ca.SX], reciprocals: 
             work[targets[0]] = inputs[operands[0]]
         elif operation == ca.OP_CONST:
             work[targets[0]] = ca.SX(f.instruction_constant(k))
+        elif k in divisors:
+            divisor = work[operands[-1]]
+            known = reciprocals.get(divisor.element_hash()) if divisor.is_symbolic() else None
+            inverse = inverses.setdefault(divisors[k], 1 / divisor if known is None else known)
+            work[targets[0]] = work[operands[0]] * inverse if operation == ca.OP_DIV else inverse
         else:
             work[targets[0]] = _operation(operation, [work[i] for i in operands], reciprocals)
     return [
         ca.reshape(ca.vertcat(*entries), expression.shape) if entries else expression
         for entries, expression in zip(results, expressions, strict=True)
     ]
+
+
+def _divisors(f: ca.Function) -> dict[int, int]:
+    """The divisions by a value that is a divisor more than once: instruction → instruction that made the value."""
+    made: dict[int, int] = {}
+    found: dict[int, int] = {}
+    for k in range(f.n_instructions()):
+        if f.instruction_id(k) in (ca.OP_DIV, ca.OP_INV):
+            found[k] = made[f.instruction_input(k)[-1]]
+        if f.instruction_id(k) != ca.OP_OUTPUT:
+            made[f.instruction_output(k)[0]] = k
+    often = collections.Counter(found.values())
+    return {k: value for k, value in found.items() if often[value] > 1}
 
 
 def _operation(operation: int, operands: Sequence[ca.SX], reciprocals: Mapping[int, ca.SX]) -> ca.SX:

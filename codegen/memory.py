@@ -123,7 +123,7 @@ class Memory:
     ) -> tuple[dict[tuple[str, str], slice], int]:
         """Where each array is within a vector, and how many numbers there are."""
         loop = self._loop
-        sizes = {("", "held"): len(loop.held)}
+        sizes = {("", "noise"): len(loop.noise)}
         for block in used:
             sizes[block.name, "p"], sizes[block.name, "c"] = len(block.p), compiled.constants[block.name]
             sizes[block.name, "x"] = len(block.x)
@@ -157,7 +157,7 @@ class Memory:
                 )
             ),
             n_fronts=fronts,
-            held=self._address(vector, "", "held"),
+            noise=self._address(vector, "", "noise"),
         )
 
     def _part(self, vector: int, block: Block, record: bool) -> Part:

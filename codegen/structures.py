@@ -30,7 +30,7 @@ class Runs(ctypes.Structure):
         ("parts", ctypes.POINTER(Part)),
         ("fronts", ctypes.POINTER(FrontPart)),
         ("n_fronts", ctypes.c_int64),
-        ("held", ctypes.c_void_p),
+        ("noise", ctypes.c_void_p),
     )
 
 

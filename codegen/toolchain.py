@@ -131,7 +131,7 @@ def _circumstances(compiler: Compiler) -> dict[str, object]:
         "environment": [os.environ.get(name) for name in _PATH_VARIABLES],
         "packages": [_package_version(name) for name in ("hillobs", "casadi")],
         "platform": [sys.platform, *platform.libc_ver(), platform.mac_ver()[0]],
-        "cpu": [platform.machine(), *_cpu_features()],
+        "cpu": [platform.machine(), *_cpu("flags", "Features")],
     }
 
 
@@ -173,13 +173,24 @@ def _target(baseline: str) -> tuple[str, ...]:
     if machine != platform.machine().lower().replace("amd64", "x86_64"):
         raise BuildError(f"The baseline {baseline} is for x86-64; this machine is {platform.machine()}.")
     # registers of 512 bits, where there are any: gcc would rather use half of them
-    wide = ("-mprefer-vector-width=512", "-DHILLOBS_SLOW_DIVISION") if platform.machine() == "x86_64" and baseline != "scalar" else ()
-    return (*flags, *wide)
+    wide = ("-mprefer-vector-width=512",) if platform.machine() == "x86_64" and baseline != "scalar" else ()
+    # Intel's dividers take 16 cycles for eight quotients, AMD's 4 to 10
+    slow = ("-DHILLOBS_SLOW_DIVISION",) if baseline == NATIVE and _cpu("vendor_id") == ["GenuineIntel"] else ()
+    return (*flags, *wide, *slow)
+
+
+# what one kind of compiler wants beside FLAGS
+_OWN_FLAGS: Mapping[str, tuple[str, ...]] = {
+    # the order of instructions before registers are given out; others do it by themselves
+    "gcc": ("-fschedule-insns", "-fsched-pressure"),
+    # zig would first build the C++ library, a minute for nothing: our sources use C headers
+    "zig": ("-nostdlib++",),
+}
 
 
 def _flags(compiler: Compiler) -> tuple[str, ...]:
-    """Return our flags; zig would first build the C++ library, a minute for nothing: our sources use C headers."""
-    return (*FLAGS, "-nostdlib++") if compiler.kind == "zig" else FLAGS
+    """Return our flags for this compiler."""
+    return (*FLAGS, *_OWN_FLAGS.get(compiler.kind, ()))
 
 
 def _timeout() -> float:
@@ -276,11 +287,11 @@ def _package_version(name: str) -> str:
     return "unknown"
 
 
-def _cpu_features() -> list[str]:
-    """Return the sorted features of the first CPU; none where /proc does not tell."""
+def _cpu(*entries: str) -> list[str]:
+    """Return the sorted words that /proc says of the first CPU under one of the names; none where it does not tell."""
     with contextlib.suppress(OSError):
         for line in Path("/proc/cpuinfo").read_text("ascii", "replace").splitlines():
             name, _, words = line.partition(":")
-            if name.strip() in ("flags", "Features"):
+            if name.strip() in entries:
                 return sorted(set(words.split()))
     return []

@@ -66,7 +66,7 @@ INLINE V cos(V x) {
     return any(far) ? select(far, far_cos(x), near) : near;
 }
 
-#if defined HILLOBS_SLOW_DIVISION && HILLOBS_BYTES == 64
+#if defined HILLOBS_NEVER && HILLOBS_BYTES == 64
 INLINE Reals root(Reals a) {
     const Reals r = __builtin_ia32_rsqrt14pd512_mask(a, Reals{}, __builtin_ia32_cmppd512_mask(a, Reals{}, 4, 255, 4));
     Reals q = a * r, h = 0.5 * r;

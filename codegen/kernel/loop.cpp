@@ -2,7 +2,7 @@
 
 enum { N_HELD = N_NOISE + N_PULSES + 2, N_STAGED = N_MEASURED + N_FRONT, N_ROW = 4 * N_SEEN + N_TRUTH };
 // grid points that one observer after the other passes: their code and what they see stay in the nearest caches
-enum { TILE = 8 };
+enum { TILE = 4 };
 
 // A block at work in all lanes. All arrays are the caller's, aligned for V.
 struct Part {
@@ -26,7 +26,7 @@ struct Runs {
     Part *parts;  // the truth, the sensors, the observers, the score
     FrontPart *fronts;
     int64_t n_fronts;
-    V *held;      // noise, pulses, window, sample
+    V *noise;     // of the newest sample, a number per channel
 };
 
 // Runs on one time grid. If they share the truth, it runs once, in `truth`, and leaves a row per step.
@@ -42,11 +42,13 @@ struct Batch {
     int64_t tile;
 };
 
-// What there is to see at one grid point and during the step that begins there.
+// What the truth shows at one grid point and during the step that begins there.
 struct Moment {
-    V t[4], held[N_HELD];
-    V seen[4 * N_SEEN], y[N_TRUTH];  // of the truth: what sensors look at, stage by stage; its outputs
+    V seen[4 * N_SEEN];  // what sensors look at, stage by stage
+    V y[N_TRUTH];
 };
+
+typedef V Outputs[N_TRUTH];
 
 // What observers see at the four stages of a step: the measurements and what their front makes of them.
 struct Sight {
@@ -58,20 +60,28 @@ struct Sight {
 
 static const double NODES[] = {0, 0.5, 0.5, 1};
 
+// for arguments that a front does not read: what it sees are the measurements alone
+static const V NEVER = NAN;
+
 template <int N> INLINE void copy(const V *from, V *to) {
 #pragma GCC unroll 64  // or it becomes a call of memmove
     for (int i = 0; i < N; ++i) to[i] = from[i];
 }
 
-static __attribute__((noinline)) void draw(const Batch &batch, Runs &runs, int64_t k, Moment &now) {
-    const bool sample = batch.hold > 0 && k % batch.hold == 0;
-    if (sample)
-        for (int i = 0; i < N_NOISE; ++i) noise(runs.seeds, (uint64_t)i, (uint64_t)(k / batch.hold), runs.held + i);
-    for (int i = 0; i < 4; ++i) now.t[i] = ((double)k + NODES[i]) * batch.h;
-    copy<N_NOISE>(runs.held, now.held);
-    for (int i = 0; i < N_PULSES; ++i) now.held[N_NOISE + i] = batch.pulse_on[i] <= k && k < batch.pulse_off[i];
-    now.held[N_NOISE + N_PULSES] = k >= batch.window;
-    now.held[N_NOISE + N_PULSES + 1] = sample;
+INLINE bool sampled(const Batch &batch, int64_t k) { return batch.hold > 0 && k % batch.hold == 0; }
+
+INLINE V time_at(const Batch &batch, int64_t k, int stage = 0) { return ((double)k + NODES[stage]) * batch.h; }
+
+static __attribute__((noinline)) void draw(const Batch &batch, Runs &runs, int64_t k) {
+    for (int i = 0; i < N_NOISE; ++i) noise(runs.seeds, (uint64_t)i, (uint64_t)(k / batch.hold), runs.noise + i);
+}
+
+// What is held over the step from k; the noise is that of now.
+INLINE void hold(const Batch &batch, const Runs &runs, int64_t k, V *held) {
+    copy<N_NOISE>(runs.noise, held);
+    for (int i = 0; i < N_PULSES; ++i) held[N_NOISE + i] = batch.pulse_on[i] <= k && k < batch.pulse_off[i];
+    held[N_NOISE + N_PULSES] = k >= batch.window;
+    held[N_NOISE + N_PULSES + 1] = sampled(batch, k);
 }
 
 // true in a lane where a number may not be finite or the domain is left
@@ -106,9 +116,9 @@ static __attribute__((noinline)) void keep(const Batch &batch, const Runs &runs,
 }
 
 template <class B>
-static FLAT void watch(Part &part, const Part &truth, const Moment &now, const V *staged) {
+static FLAT void watch(Part &part, const Part &truth, const V &t, const V *held, const V *staged) {
     V active[B::N_GUARDS + 1];
-    B::watch(now.t, part.c, part.x, now.held, staged, active);
+    B::watch(&t, part.c, part.x, held, staged, active);
     for (int l = 0; l < LANES; ++l)
         for (int i = 0; i < B::N_GUARDS && part.failed[l] < 0 && truth.failed[l] < 0; ++i)
             set_lane(part.guards[i], l, lane(part.guards[i], l) + lane(active[i], l));
@@ -116,27 +126,32 @@ static FLAT void watch(Part &part, const Part &truth, const Moment &now, const V
 
 // What is done at few grid points: the states, which are elsewhere meanwhile, are brought home for it.
 template <class B>
-static __attribute__((noinline)) void attend(const Batch &batch, Runs &runs, Part &part, int64_t k, const Moment &now,
-                                            const V *staged, const V *y, const V *domain, bool wrong) {
+static __attribute__((noinline)) void attend(const Batch &batch, Runs &runs, Part &part, int64_t k, const V *staged,
+                                             const V *y, const V *domain, bool wrong) {
     if (wrong) fail<B>(part, runs.parts[0], k, y, domain);
     if (part.record_x && k % batch.record == 0) keep<B>(batch, runs, part, k, y);
-    if (part.guards && k < batch.steps) watch<B>(part, runs.parts[0], now, staged);
+    if (part.guards && k < batch.steps) {
+        V held[N_HELD];
+        hold(batch, runs, k, held);
+        watch<B>(part, runs.parts[0], time_at(batch, k), held, staged);
+    }
 }
 
 // Jumps, outputs, checks and records at grid point k.
 template <class B>
-INLINE void visit(const Batch &batch, Runs &runs, Part &part, int64_t k, const Moment &now, const V *staged, V *x, V *y) {
+INLINE void visit(const Batch &batch, Runs &runs, Part &part, int64_t k, const V *held, const V *staged, V *x, V *y) {
     V after[B::NX + 1], domain[B::N_DOMAIN + 1];
+    const V t = time_at(batch, k);
     if constexpr (B::HAS_SAMPLE)
-        if (batch.hold > 0 && k % batch.hold == 0) {
-            B::sample(now.t, part.c, x, now.held, staged, after);
+        if (sampled(batch, k)) {
+            B::sample(&t, part.c, x, held, staged, after);
             copy<B::NX>(after, x);
         }
     if constexpr (B::HAS_EACH) {
-        B::each(now.t, part.c, x, now.held, staged, after);
+        B::each(&t, part.c, x, held, staged, after);
         copy<B::NX>(after, x);
     }
-    B::out(now.t, part.c, x, now.held, staged, y, domain);
+    B::out(&t, part.c, x, held, staged, y, domain);
     const bool wrong = suspect<B>(x, y, domain);
     if (__builtin_expect(wrong || part.record_x || part.guards, 0)) {
         // copies: a variable whose address is known elsewhere is kept in no register
@@ -144,18 +159,20 @@ INLINE void visit(const Batch &batch, Runs &runs, Part &part, int64_t k, const M
         copy<B::NX>(x, part.x);
         copy<B::NY>(y, outputs);
         copy<B::N_DOMAIN>(domain, limits);
-        attend<B>(batch, runs, part, k, now, staged, outputs, limits, wrong);
+        attend<B>(batch, runs, part, k, staged, outputs, limits, wrong);
     }
 }
 
 // one function for both kinds of batches, so that sharing the truth changes no bit of it
 static FLAT void advance_truth(const Batch &batch, Runs &runs, int64_t k, Moment &now) {
     Part &part = runs.parts[0];
-    V x[Truth::NX + 1], after[Truth::NX + 1], y[N_TRUTH];
+    V x[Truth::NX + 1], after[Truth::NX + 1], y[N_TRUTH], held[N_HELD];
+    const V t = time_at(batch, k);
+    hold(batch, runs, k, held);
     copy<Truth::NX>(part.x, x);
-    visit<Truth>(batch, runs, part, k, now, 0, x, y);
+    visit<Truth>(batch, runs, part, k, held, 0, x, y);
     copy<N_TRUTH>(y, now.y);
-    Truth::step(now.t, part.c, x, now.held, 0, after, now.seen);
+    Truth::step(&t, part.c, x, held, 0, after, now.seen);
     if (k < batch.steps) copy<Truth::NX>(after, part.x);
 }
 
@@ -172,65 +189,69 @@ static void collect(const Moment &now, double *values) {
 // What the sensors show at the four stages of a step.
 static FLAT void measure(const Batch &batch, Runs &runs, int64_t k, const Moment &now, Sight &sight) {
     Part &part = runs.parts[1];
-    V nothing[Sensors::N_DOMAIN + 1];
-    for (int i = 0; i < 4; ++i)
-        Sensors::out(now.t + i, part.c, 0, now.held, now.seen + i * N_SEEN, sight.staged + i * N_STAGED, nothing);
+    V held[N_HELD], nothing[Sensors::N_DOMAIN + 1];
+    hold(batch, runs, k, held);
+    for (int i = 0; i < 4; ++i) {
+        const V t = time_at(batch, k, i);
+        Sensors::out(&t, part.c, 0, held, now.seen + i * N_SEEN, sight.staged + i * N_STAGED, nothing);
+    }
     if (part.record_x && k % batch.record == 0) keep<Sensors>(batch, runs, part, k, sight.staged);
 }
 
 // The front where the quick one may be wrong.
-static __attribute__((noinline)) void look_again(const FrontPart &part, const Moment &now, V doubt, Sight &sight) {
+static __attribute__((noinline)) void look_again(const V *c, V doubt, Sight &sight) {
     V front[N_FRONT], nothing[Front::N_DOMAIN + 1];
     for (int i = 0; i < 4; ++i) {
         V *staged = sight.staged + i * N_STAGED, *own = staged + N_MEASURED;
-        Front::out(now.t + i, part.c, 0, now.held, staged, front, nothing);
+        Front::out(&NEVER, c, 0, &NEVER, staged, front, nothing);
         for (int j = 0; j < N_FRONT; ++j) own[j] = select(doubt, front[j], own[j]);
     }
 }
 
 // What a front makes of the measurements.
 template <class N>
-static FLAT void see(const FrontPart &part, const Moment *moments, int64_t n, Sight *sights) {
+static FLAT void see(const FrontPart &part, int64_t n, Sight *sights) {
     for (int64_t k = 0; k < n; ++k) {
         Sight &sight = sights[k];
         V near[4 * N_FRONT + 1], nothing[N::N_DOMAIN + 1], doubt = 1.0;
         if constexpr (HAS_NEAR) {
-            N::out(moments[k].t, part.c_near, 0, moments[k].held, sight.staged, near, nothing);
+            N::out(&NEVER, part.c_near, 0, &NEVER, sight.staged, near, nothing);
             doubt = near[4 * N_FRONT];
             for (int i = 0; i < 4; ++i) copy<N_FRONT>(near + i * N_FRONT, sight.staged + i * N_STAGED + N_MEASURED);
         }
-        if (any(doubt)) look_again(part, moments[k], doubt, sight);
+        if (any(doubt)) look_again(part.c, doubt, sight);
     }
 }
 
 template <class S>
-INLINE void account(const Batch &batch, const V *c, int64_t k, const Moment &now, const V *scored, V *sums) {
+INLINE void account(const Batch &batch, const V *c, int64_t k, const V *held, const V *scored, V *sums) {
     V after[S::NX];
+    const V t = time_at(batch, k);
     if constexpr (S::HAS_SAMPLE)
-        if (batch.hold > 0 && k % batch.hold == 0) {
-            S::sample(now.t, c, sums, now.held, scored, after);
+        if (sampled(batch, k)) {
+            S::sample(&t, c, sums, held, scored, after);
             copy<S::NX>(after, sums);
         }
-    S::each(now.t, c, sums, now.held, scored, after);
+    S::each(&t, c, sums, held, scored, after);
     copy<S::NX>(after, sums);
 }
 
 // One observer and its score at the grid points from `from` to `until`, exclusive.
 template <class B, class S>
-static FLAT void observe(const Batch &batch, Runs &runs, Part &part, int64_t from, int64_t until, const Moment *moments,
+static FLAT void observe(const Batch &batch, Runs &runs, Part &part, int64_t from, int64_t until, const Outputs *truth,
                          const Sight *sights) {
     V x[B::NX + 1], sums[S::NX], after[B::NX + 1];
     copy<B::NX>(part.x, x);
     copy<S::NX>(part.sums, sums);
     for (int64_t k = from; k < until; ++k) {
-        const Moment &now = moments[k - from];
-        const V *staged = sights[k - from].staged;
-        V scored[N_TRUTH + N_ESTIMATES];
-        copy<N_TRUTH>(now.y, scored);
-        visit<B>(batch, runs, part, k, now, staged, x, scored + N_TRUTH);
-        account<S>(batch, runs.parts[2 + N_OBSERVERS].c, k, now, scored, sums);
+        const V *staged = sights[k - from].staged, t = time_at(batch, k);
+        V held[N_HELD], scored[N_TRUTH + N_ESTIMATES];
+        hold(batch, runs, k, held);
+        copy<N_TRUTH>(truth[k - from], scored);
+        visit<B>(batch, runs, part, k, held, staged, x, scored + N_TRUTH);
+        account<S>(batch, runs.parts[2 + N_OBSERVERS].c, k, held, scored, sums);
         if (k == batch.steps) break;
-        B::step(now.t, part.c, x, now.held, staged, after, 0);
+        B::step(&t, part.c, x, held, staged, after, 0);
         copy<B::NX>(after, x);
     }
     copy<B::NX>(x, part.x);
@@ -244,8 +265,11 @@ template <class B> static void prepare(const Batch &batch, Part &part) {
 }
 
 // An observer may start from what is measured then.
-template <class B> static void begin(Runs &runs, Part &part, const Moment &now, const Sight &sight) {
-    B::init(now.t, part.p, runs.held, sight.staged, part.x);
+template <class B> static void begin(const Batch &batch, Runs &runs, Part &part, const Sight &sight) {
+    const V t = 0.0;
+    V held[N_HELD];
+    hold(batch, runs, 0, held);
+    B::init(&t, part.p, held, sight.staged, part.x);
 }
 
 // The observers that run, one by one.
@@ -258,47 +282,48 @@ template <class B, class... Rest> static void prepare_all(List<B, Rest...>, cons
 
 typedef Sight Sights[N_OBSERVERS][TILE];
 
-static void observe_all(List<>, const Batch &, Runs &, Part *, int64_t, int64_t, const Moment *, const Sights &) {}
+static void observe_all(List<>, const Batch &, Runs &, Part *, int64_t, int64_t, const Outputs *, const Sights &) {}
 
 template <class B, class... Rest>
 static void observe_all(List<B, Rest...>, const Batch &batch, Runs &runs, Part *part, int64_t from, int64_t until,
-                        const Moment *moments, const Sights &sights) {
+                        const Outputs *truth, const Sights &sights) {
     if (part->x) {
         const Sight *own = sights[part->front];
-        if (from == 0) begin<B>(runs, *part, moments[0], own[0]);
-        observe<B, Score>(batch, runs, *part, from, until, moments, own);
+        if (from == 0) begin<B>(batch, runs, *part, own[0]);
+        observe<B, Score>(batch, runs, *part, from, until, truth, own);
     }
-    observe_all(List<Rest...>(), batch, runs, part + 1, from, until, moments, sights);
+    observe_all(List<Rest...>(), batch, runs, part + 1, from, until, truth, sights);
 }
 
 // At most TILE grid points; `rows` are those of a truth that all share, or null.
 static void advance(const Batch &batch, Runs &runs, int64_t from, int64_t until, const double *rows) {
-    Moment moments[TILE];
+    Moment now;
+    Outputs truth[TILE];
     Sights sights;
     for (int64_t k = from; k < until; ++k) {
-        Moment &now = moments[k - from];
-        draw(batch, runs, k, now);
+        if (sampled(batch, k)) draw(batch, runs, k);
         if (rows)
             spread(rows + (k - from) * N_ROW, now);
         else
             advance_truth(batch, runs, k, now);
+        copy<N_TRUTH>(now.y, truth[k - from]);
         measure(batch, runs, k, now, sights[0][k - from]);
         for (int64_t i = 1; i < runs.n_fronts; ++i) copy<4 * N_STAGED>(sights[0][k - from].staged, sights[i][k - from].staged);
     }
-    for (int64_t i = 0; i < runs.n_fronts; ++i) see<Near>(runs.fronts[i], moments, until - from, sights[i]);
-    observe_all(Observers(), batch, runs, runs.parts + 2, from, until, moments, sights);
+    for (int64_t i = 0; i < runs.n_fronts; ++i) see<Near>(runs.fronts[i], until - from, sights[i]);
+    observe_all(Observers(), batch, runs, runs.parts + 2, from, until, truth, sights);
 }
 
 HILLOBS_EXPORT void hillobs_start(Batch *batch) {
-    const V h = batch->h;
-    Moment now;
+    const V t = 0.0, h = batch->h;
     batch->k = 0;
     for (int64_t i = batch->truth ? -1 : 0; i < batch->n_runs; ++i) {
         Runs &runs = i < 0 ? *batch->truth : batch->runs[i];
         if (i < 0 || !batch->truth) {
-            draw(*batch, runs, 0, now);
+            V held[N_HELD];
+            hold(*batch, runs, 0, held);
             prepare<Truth>(*batch, runs.parts[0]);
-            Truth::init(now.t, runs.parts[0].p, now.held, 0, runs.parts[0].x);
+            Truth::init(&t, runs.parts[0].p, held, 0, runs.parts[0].x);
         }
         if (i < 0) continue;
         prepare<Sensors>(*batch, runs.parts[1]);
@@ -320,7 +345,6 @@ HILLOBS_EXPORT void hillobs_advance(Batch *batch, int64_t until) {
         if (batch->truth) {
             Moment now;
             for (int64_t k = from; k < to; ++k) {
-                draw(*batch, *batch->truth, k, now);
                 advance_truth(*batch, *batch->truth, k, now);
                 collect(now, batch->rows + (k - from) * N_ROW);
             }
