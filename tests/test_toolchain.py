@@ -174,7 +174,7 @@ def test_the_key_changes_with_all_that_determines_the_bytes(monkeypatch):
         (toolchain, "FLAGS", (*toolchain.FLAGS, "-g")),
         (toolchain, "ABI", 99),
         (toolchain, "_package_version", lambda name: "9.9"),
-        (toolchain, "_cpu_features", lambda: ["avx1024"]),
+        (toolchain, "_cpu", lambda *entries: ["avx1024"]),
         (toolchain.platform, "machine", lambda: "riscv64"),
         (toolchain.platform, "libc_ver", lambda: ("glibc", "9.9")),
         (toolchain, "find_compiler", lambda: other_compiler),
