@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..model.block import Block
 from .cache import BuildError
-from .export import Loop, export_loop
 from .library import Array, load
+from .loop import Loop, export_loop
 from .memory import Compiled, Grid, Memory, Whole
 from .structures import STRUCTURES, Batch
 from .toolchain import NATIVE

@@ -8,9 +8,7 @@ from importlib import resources
 
 import casadi as ca
 
-from ..model.block import Block, BlockError
-from .constants import hoisted
-from .stepper import STAGES, functions
+from ..model.block import Block
 
 _KERNEL = "hillobs.codegen.kernel"
 # what a block of the loop can do: arguments and results of each role, in the order of the kernel's calls
@@ -33,67 +31,6 @@ class Source:
     description: Mapping[str, object]
 
 
-@dataclass(frozen=True, eq=False)  # one is itself: symbols have no equality
-class Loop:
-    """A closed loop to export: the truth, the sensors that look at it, the observers, and the score of each.
-
-    What observers compute from the measurements alone is the `front`, without states; observers with the same numbers
-    for it share its values. Its parameters are theirs of the same names. `near`, if given, is the front at all stages
-    of a step at once (`y2.0`, … in, `L_S1.0`, … and `doubt` out), for less; where it doubts, the front is taken.
-    """
-
-    truth: Block
-    sensors: Block  # no states; inputs are outputs of the truth and noise
-    front: Block
-    near: Block | None
-    observers: tuple[Block, ...]
-    score: Block
-    noise: tuple[str, ...]  # held inputs that the kernel draws, in (−1, 1]
-    pulses: tuple[str, ...]  # held inputs that the kernel switches on and off
-    flags: tuple[str, str] = ("window", "sample")  # held inputs of the score: errors count, a sample instant
-
-    @property
-    def held(self) -> tuple[str, ...]:
-        """All held inputs in array order."""
-        return (*self.noise, *self.pulses, *self.flags)
-
-    @property
-    def seen(self) -> tuple[str, ...]:
-        """The outputs of the truth that the sensors measure."""
-        return tuple(port for port in self.sensors.u if port not in self.held)
-
-    @property
-    def blocks(self) -> tuple[Block, ...]:
-        """What has parameters of its own, in the kernel's order."""
-        return (self.truth, self.sensors, *self.observers, self.score)
-
-    @property
-    def exported(self) -> tuple[Block, ...]:
-        """All Blocks that become C."""
-        return (*self.blocks, self.front, *([self.near] if self.near else []))
-
-    def __post_init__(self) -> None:
-        names = [block.name for block in self.exported]
-        if double := {name for name in names if names.count(name) > 1}:
-            raise BlockError(f"two blocks of the loop are called {', '.join(sorted(double))}")
-        outputs = list(self.observers[0].y)
-        if odd := [observer.name for observer in self.observers if list(observer.y) != outputs]:
-            raise BlockError(f"{odd[0]}: its outputs must be {', '.join(outputs)}")
-
-    def functions(self, block: Block) -> dict[str, ca.Function]:
-        """The roles of one Block of the loop, with its parameters as an argument."""
-        measured = tuple(self.sensors.y)
-        staged = {
-            self.truth.name: (),
-            self.sensors.name: self.seen,
-            self.front.name: measured,
-            self.score.name: (*self.truth.y, *self.observers[0].y),
-        }.get(block.name, (*measured, *self.front.y))
-        if block is self.near:
-            staged = tuple(f"{name}.{i}" for i in range(STAGES) for name in (*measured, *self.front.y))
-        return functions(block, self.held, staged, self.seen if block is self.truth else ())
-
-
 def export_functions(every: Sequence[ca.Function]) -> Source:
     """A library of functions, to be evaluated at many points."""
     for function in every:
@@ -105,43 +42,29 @@ def export_functions(every: Sequence[ca.Function]) -> Source:
     return Source("\n".join(parts), {"functions": listed})
 
 
-def export_loop(loop: Loop) -> Source:
-    """A library that runs the loop for any parameters, initial values, seeds, durations and choice of observers."""
-    tables = {block.name: hoisted(block.name, loop.functions(block)) for block in loop.exported}
+def export_blocks(
+    tables: Mapping[str, Mapping[str, ca.Function]],
+    blocks: Sequence[Block],
+    sizes: Mapping[str, int],
+    named: Mapping[str, Block],
+    lists: Mapping[str, Sequence[Block]],
+    files: Sequence[str],
+    held: Sequence[str] = (),
+) -> Source:
+    """A library of Blocks at work: the functions of each by role, and the kernel `files` that call them.
+
+    The files know the Blocks by the names in `named` and `lists`, and the `sizes`.
+    """
     every = [function for table in tables.values() for function in table.values()]
-    parts = [_part(block, tables[block.name]) for block in loop.exported]
-    sizes = {
-        "N_NOISE": len(loop.noise),
-        "N_PULSES": len(loop.pulses),
-        "N_SEEN": len(loop.seen),
-        "N_MEASURED": len(loop.sensors.y),
-        "N_FRONT": len(loop.front.y),
-        "HAS_NEAR": int(loop.near is not None),
-        "N_TRUTH": len(loop.truth.y),
-        "N_ESTIMATES": len(loop.observers[0].y),
-        "N_OBSERVERS": len(loop.observers),
-    }
-    names = {
-        "Truth": loop.truth.name,
-        "Sensors": loop.sensors.name,
-        "Score": loop.score.name,
-        "Front": loop.front.name,
-        "Near": (loop.near or loop.front).name,
-    }
-    aliases = [f"typedef Part_{name} {alias};" for alias, name in names.items()]
-    lists = {"Observers": loop.observers, "Everything": loop.exported}
+    aliases = [f"typedef Part_{block.name} {alias};" for alias, block in named.items()]
     aliases += [
-        f"typedef List<{', '.join(f'Part_{block.name}' for block in blocks)}> {alias};"
-        for alias, blocks in lists.items()
+        f"typedef List<{', '.join(f'Part_{block.name}' for block in some)}> {alias};" for alias, some in lists.items()
     ]
-    inline = "static inline __attribute__((always_inline))"
-    text = [*_lanes(), _casadi(inline, every), _kernel("philox.hpp"), *parts, _enumeration(sizes)]
-    text += ["template <class... Blocks> struct List {};", *aliases, _kernel("loop.cpp")]
-    description = {
-        "held": list(loop.held),
-        "blocks": [_describe(block, tables[block.name]) for block in loop.exported],
-    }
-    return Source("\n".join(text), description)
+    text = [*_lanes(), _casadi("static inline __attribute__((always_inline))", every)]
+    text += [*(_part(block, tables[block.name]) for block in blocks), _enumeration(sizes)]
+    text += ["template <class... Blocks> struct List {};", *aliases, *map(_kernel, files)]
+    described = [_describe(block, tables[block.name]) for block in blocks]
+    return Source("\n".join(text), {"held": list(held), "blocks": described})
 
 
 def _lanes() -> list[str]:
@@ -177,7 +100,8 @@ def _total(block: Block) -> str:
     states = {symbol.element_hash() for symbol in block.x.values()}
     terms = [f"x[{i}]" for i in range(len(block.x))]
     terms += [f"y[{i}]" for i, output in enumerate(block.y.values()) if output.element_hash() not in states]
-    return f"    INLINE V total(const V *x, const V *y) {{ (void)x, (void)y; return {' + '.join(terms or ['V(0.0)'])}; }}\n"
+    total = " + ".join(terms or ["V(0.0)"])
+    return f"    INLINE V total(const V *x, const V *y) {{ (void)x, (void)y; return {total}; }}\n"
 
 
 def _role(role: str, function: ca.Function) -> str:

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..model.block import Block
-from .export import Loop
 from .library import Array
+from .loop import Loop
 from .structures import Batch, FrontPart, Part, Runs
 
 # grid points of a shared truth at a time: its rows stay in the nearest cache
@@ -68,7 +68,7 @@ class Memory:
         fronts, self._front_of = _distinct_fronts(loop, values, observers)
         self._places, total = self._arrangement(used, compiled, len(fronts), record)
         # one more vector for a truth that all share
-        self._numbers = _aligned((self._vectors + self._shared, total, self._lanes))
+        self._numbers = aligned((self._vectors + self._shared, total, self._lanes))
         # spare lanes repeat the last run
         members = np.minimum(np.arange(len(self._numbers) * self._lanes) % (self._vectors * self._lanes), self.runs - 1)
         for name, given in [*values.items(), *((f"front {i}", given) for i, given in enumerate(fronts))]:
@@ -132,9 +132,9 @@ class Memory:
             if record:
                 sizes[block.name, "guards"] = len(block.guards)
         for i in range(fronts):
-            sizes[f"front {i}", "p"] = len(loop.front.p)
-            sizes[f"front {i}", "c"] = compiled.constants[loop.front.name]
-            sizes[f"front {i}", "c_near"] = compiled.constants[(loop.near or loop.front).name]
+            sizes[f"front {i}", "p"] = len(loop.bank.front.p)
+            sizes[f"front {i}", "c"] = compiled.constants[loop.bank.front.name]
+            sizes[f"front {i}", "c_near"] = compiled.constants[(loop.bank.near or loop.bank.front).name]
         # no array is empty: an address of its own says that it is there
         ends = [0, *itertools.accumulate(max(1, size) for size in sizes.values())]
         starts = zip(sizes.items(), ends, strict=False)
@@ -186,14 +186,14 @@ def _distinct_fronts(
     front_of: dict[str, int] = {}
     for block in loop.observers:
         if block.name in observers:
-            own = values[block.name][:, [list(block.p).index(name) for name in loop.front.p]]
+            own = values[block.name][:, [list(block.p).index(name) for name in loop.bank.front.p]]
             front_of[block.name] = distinct.setdefault(own.tobytes(), len(fronts))
             if front_of[block.name] == len(fronts):
                 fronts.append(own)
     return fronts, front_of
 
 
-def _aligned(shape: tuple[int, ...]) -> Array:
+def aligned(shape: tuple[int, ...]) -> Array:
     """Zeros at an address that whole vectors can be loaded from."""
     size = int(np.prod(shape)) * 8
     raw = np.zeros(size + _ALIGNMENT, dtype=np.uint8)

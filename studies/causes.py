@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..codegen.batch import Outcome
-from ..codegen.export import Loop
+from ..codegen.loop import Loop
 from ..model.block import Block
 
 # the first of all names: what did not fail

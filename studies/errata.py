@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..codegen.batch import Failure, Trace
-from ..codegen.export import Loop
 from ..codegen.library import Array
+from ..codegen.loop import Loop
 from ..codegen.memory import Grid
 from ..model.block import Symbols
 from ..model.curves import NGUYEN2019, NGUYEN2019_PRINTED, TENDON
@@ -199,7 +199,7 @@ class _Run:
 @functools.cache
 def _loop() -> Loop:
     loop = paper_loop("virtual", NGUYEN2019, (adaptive_as_printed(),), backstepping_as_printed())
-    return replace(loop, observers=loop.observers[-1:])
+    return replace(loop, bank=replace(loop.bank, observers=loop.observers[-1:]))
 
 
 def _run(changes: Mapping[str, Value], observers: Sequence[str], progress: Progress) -> _Run:

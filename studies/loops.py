@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import functools
 
+from ..codegen.bank import Bank
 from ..codegen.batch import CompiledLoop
-from ..codegen.export import Loop
+from ..codegen.loop import Loop
 from ..codegen.stepper import STAGES
 from ..codegen.toolchain import NATIVE
 from ..model.block import Block
@@ -14,7 +15,7 @@ from ..model.curves import NGUYEN2019, CurveSet
 from ..model.pair import DRIVES
 from ..model.pulses import PULSES
 from ..model.sensors import NOISE_CHANNELS, sensors
-from ..model.symbols import ACTIVATIONS, QUANTITIES
+from ..model.symbols import ACTIVATIONS, MEASURED, QUANTITIES
 from ..observers import OBSERVERS, baseline_estimator, estimator
 from ..observers.score import MEASURES, score
 from ..observers.tendons import tendons, tendons_of_a_step
@@ -37,9 +38,7 @@ def paper_loop(
     return Loop(
         truth=closed_loop(drive, curves, controller),
         sensors=sensors(),
-        front=tendons(curves),
-        near=tendons_of_a_step(STAGES, curves),
-        observers=tuple(own),
+        bank=Bank(MEASURED, tendons(curves), tendons_of_a_step(STAGES, curves), tuple(own)),
         score=score(quantities, measures),
         noise=NOISE_CHANNELS,
         pulses=PULSES,

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..codegen.export import Loop
+from ..codegen.loop import Loop
 from ..codegen.memory import Grid
 from ..model.block import Block
 from ..model.curves import CURVES, NGUYEN2019

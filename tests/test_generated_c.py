@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from hillobs.codegen.export import Source, export_loop
+from hillobs.codegen.export import Source
+from hillobs.codegen.loop import export_loop
 from hillobs.codegen.toolchain import find_compiler
 from hillobs.model.curves import NGUYEN2019
 from hillobs.model.pair import DRIVES
@@ -82,7 +83,7 @@ int main(void) {{
     Part *parts = (Part *)calloc(n, sizeof(Part));
     make(All(), parts, p, 51);
     FrontPart front = {{filled(Front::NP, p[n]), numbers(Front::NC), numbers(Near::NC)}};
-    Runs runs = {{1, seeds, parts, &front, 1, numbers(N_HELD)}};
+    Runs runs = {{1, seeds, parts, &front, 1, numbers(N_NOISE)}};
     Batch batch = {{{step}, 0, 500, 10, 100, 10, on, off, 1, &runs, 0, 0, 64}};
     hillobs_start(&batch);
     while (batch.k <= batch.steps) hillobs_advance(&batch, batch.k + 137);
@@ -96,7 +97,7 @@ def program(drive: str, given: dict[str, float], step: float) -> str:
     loop, table = paper_loop(drive, NGUYEN2019), full_table()
     numbers = {block.name: table.values(block, given) for block in loop.blocks}
     whose = loop.observers[0]
-    numbers["front"] = [numbers[whose.name][list(whose.p).index(name)] for name in loop.front.p]
+    numbers["front"] = [numbers[whose.name][list(whose.p).index(name)] for name in loop.bank.front.p]
     arrays = [f"static const double p_{name}[] = {{{', '.join(map(repr, v))}}};" for name, v in numbers.items()]
     return source(drive).text + MAIN.format(
         parameters="\n    ".join(arrays),

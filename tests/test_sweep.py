@@ -316,7 +316,7 @@ def test_the_quick_inverse_of_the_tendon_changes_nothing() -> None:
     """With and without it, in a scenario whose tendons go slack."""
     prepared = prepare("slack", None, {"duration": 10.0})
     values = {b.name: prepared.table.values(b, prepared.scenario.given) for b in prepared.loop.blocks}
-    plain = dataclasses.replace(prepared.loop, near=None)
+    plain = dataclasses.replace(prepared.loop, bank=dataclasses.replace(prepared.loop.bank, near=None))
     one, other = (
         compile_loop(loop).run(prepared.grid, 0, values, prepared.observers) for loop in (prepared.loop, plain)
     )

@@ -1,6 +1,6 @@
 // Many closed loops at once: the truth, then every observer and its score, grid point by grid point.
 
-enum { N_HELD = N_NOISE + N_PULSES + 2, N_STAGED = N_MEASURED + N_FRONT, N_ROW = 4 * N_SEEN + N_TRUTH };
+enum { N_HELD = N_NOISE + N_PULSES + 2, N_ROW = 4 * N_SEEN + N_TRUTH };
 // grid points that one observer after the other passes: their code and what they see stay in the nearest caches
 enum { TILE = 4 };
 
@@ -12,11 +12,6 @@ struct Part {
     double *record_x, *record_y; // a row per run and recorded point, or null
     int64_t *failed, *cause;     // per lane: grid point of the failure or −1; what failed, counted over x, y, domain
     int64_t front;               // which front it sees; observers only
-};
-
-// What observers compute from the measurements alone, with one set of numbers.
-struct FrontPart {
-    V *p, *c, *c_near;
 };
 
 // So many runs as fit in the lanes; spare lanes repeat the last one.
@@ -49,24 +44,6 @@ struct Moment {
 };
 
 typedef V Outputs[N_TRUTH];
-
-// What observers see at the four stages of a step: the measurements and what their front makes of them.
-struct Sight {
-    V staged[4 * N_STAGED];
-};
-
-// all that it calls becomes part of it: then CasADi's questions whether a pointer is null are answered at compile time
-#define FLAT __attribute__((flatten, noinline))
-
-static const double NODES[] = {0, 0.5, 0.5, 1};
-
-// for arguments that a front does not read: what it sees are the measurements alone
-static const V NEVER = NAN;
-
-template <int N> INLINE void copy(const V *from, V *to) {
-#pragma GCC unroll 64  // or it becomes a call of memmove
-    for (int i = 0; i < N; ++i) to[i] = from[i];
-}
 
 INLINE bool sampled(const Batch &batch, int64_t k) { return batch.hold > 0 && k % batch.hold == 0; }
 
@@ -196,31 +173,6 @@ static FLAT void measure(const Batch &batch, Runs &runs, int64_t k, const Moment
         Sensors::out(&t, part.c, 0, held, now.seen + i * N_SEEN, sight.staged + i * N_STAGED, nothing);
     }
     if (part.record_x && k % batch.record == 0) keep<Sensors>(batch, runs, part, k, sight.staged);
-}
-
-// The front where the quick one may be wrong.
-static __attribute__((noinline)) void look_again(const V *c, V doubt, Sight &sight) {
-    V front[N_FRONT], nothing[Front::N_DOMAIN + 1];
-    for (int i = 0; i < 4; ++i) {
-        V *staged = sight.staged + i * N_STAGED, *own = staged + N_MEASURED;
-        Front::out(&NEVER, c, 0, &NEVER, staged, front, nothing);
-        for (int j = 0; j < N_FRONT; ++j) own[j] = select(doubt, front[j], own[j]);
-    }
-}
-
-// What a front makes of the measurements.
-template <class N>
-static FLAT void see(const FrontPart &part, int64_t n, Sight *sights) {
-    for (int64_t k = 0; k < n; ++k) {
-        Sight &sight = sights[k];
-        V near[4 * N_FRONT + 1], nothing[N::N_DOMAIN + 1], doubt = 1.0;
-        if constexpr (HAS_NEAR) {
-            N::out(&NEVER, part.c_near, 0, &NEVER, sight.staged, near, nothing);
-            doubt = near[4 * N_FRONT];
-            for (int i = 0; i < 4; ++i) copy<N_FRONT>(near + i * N_FRONT, sight.staged + i * N_STAGED + N_MEASURED);
-        }
-        if (any(doubt)) look_again(part.c, doubt, sight);
-    }
 }
 
 template <class S>
@@ -358,18 +310,6 @@ HILLOBS_EXPORT void hillobs_advance(Batch *batch, int64_t until) {
 }
 
 // Lanes, and sizes as compiled, so that the caller can compare them with what it believes.
-template <class B> static int64_t *sizes_of(int64_t *sizes) {
-    const int64_t own[] = {B::NX, B::NP, B::NC, B::NY, B::N_GUARDS, B::N_DOMAIN};
-    for (int64_t size : own) *sizes++ = size;
-    return sizes;
-}
-
-static int64_t *sizes_of_all(List<>, int64_t *sizes) { return sizes; }
-
-template <class B, class... Rest> static int64_t *sizes_of_all(List<B, Rest...>, int64_t *sizes) {
-    return sizes_of_all(List<Rest...>(), sizes_of<B>(sizes));
-}
-
 HILLOBS_EXPORT void hillobs_sizes(int64_t *sizes) {
     const int64_t own[] = {LANES, N_ROW, sizeof(Batch), sizeof(Runs), sizeof(Part), sizeof(FrontPart)};
     for (int64_t size : own) *sizes++ = size;

@@ -1,0 +1,148 @@
+"""Run a compiled bank of observers over recorded measurements, in slices, so that a recording may be of any length."""
+
+from __future__ import annotations
+
+import ctypes
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..model.block import Block
+from .bank import Bank
+from .cache import BuildError
+from .constants import hoisted
+from .export import Source, export_blocks
+from .library import Array, load
+from .memory import aligned
+from .stepper import functions
+from .toolchain import NATIVE
+
+# steps in one call: well below 0.1 s
+_SLICE = 100_000
+
+
+class _Filter(ctypes.Structure):
+    """`struct Filter`."""
+
+    _fields_ = (
+        *((name, ctypes.c_void_p) for name in ("p", "c", "x", "front_p", "front_c", "near_c")),
+        ("h", ctypes.c_double),
+        *((name, ctypes.c_int64) for name in ("substeps", "begun", "n")),
+        ("t", ctypes.c_void_p),
+        ("y", ctypes.c_void_p),
+        ("lanes", ctypes.c_int64),
+        ("results", ctypes.c_void_p),
+    )
+
+
+@dataclass(frozen=True)
+class Followed:
+    """What an observer made of some samples: outputs and guards, (sets of numbers × samples × names)."""
+
+    y: Array
+    guards: Array
+
+
+class CompiledBank:
+    """A bank of observers as a loaded library; nothing that its methods take recompiles it."""
+
+    def __init__(self, bank: Bank, baseline: str = NATIVE) -> None:
+        self.bank = bank
+        source = export_bank(bank)
+        self.path, self.dll = load(source, baseline)
+        self.dll.hillobs_follow.argtypes = (ctypes.c_int64, ctypes.POINTER(_Filter))
+        self.dll.hillobs_follow.restype = None
+        blocks = source.description["blocks"]
+        assert isinstance(blocks, list)  # noqa: S101  we have just made it
+        self.constants = {entry["name"]: int(entry["constants"]) for entry in blocks}
+        self.lanes = self._ask()
+
+    def follow(self, observer: str, numbers: ArrayLike, substeps: int) -> Filter:
+        """An observer at the beginning of a recording.
+
+        numbers: values in the order of its `p`, (numbers) or (sets × numbers), as many sets as there are lanes at
+        most. substeps: RK4 steps from sample to sample.
+        """
+        return Filter(self, observer, np.atleast_2d(np.asarray(numbers, dtype=float)), substeps)
+
+    def _ask(self) -> int:
+        expected = [ctypes.sizeof(_Filter)]
+        for block in self.bank.exported:
+            expected += [len(block.x), len(block.p), self.constants[block.name]]
+            expected += [len(block.y), len(block.guards), len(block.domain)]
+        found = (ctypes.c_int64 * (1 + len(expected)))()
+        self.dll.hillobs_sizes(found)
+        if list(found[1:]) != expected:
+            raise BuildError(f"{self.path} has other sizes than the bank it was built for.")
+        return int(found[0])
+
+
+class Filter:
+    """One observer under way; each call of `samples` goes on where the last one ended."""
+
+    def __init__(self, compiled: CompiledBank, observer: str, numbers: Array, substeps: int) -> None:
+        bank = compiled.bank
+        self._compiled, self._substeps, self._sets = compiled, substeps, len(numbers)
+        self._which = [block.name for block in bank.observers].index(observer)
+        self._block = bank.observers[self._which]
+        if not 1 <= self._sets <= compiled.lanes or numbers.shape[1] != len(self._block.p):
+            raise ValueError(f"{observer} takes 1 to {compiled.lanes} sets of {len(self._block.p)} numbers")
+        fronts = numbers[:, [list(self._block.p).index(name) for name in bank.front.p]]
+        sizes = {
+            "p": len(self._block.p),
+            "c": compiled.constants[observer],
+            "x": len(self._block.x),
+            "front_p": len(bank.front.p),
+            "front_c": compiled.constants[bank.front.name],
+            "near_c": compiled.constants[(bank.near or bank.front).name],
+        }
+        self._arrays = {key: aligned((max(1, size), compiled.lanes)) for key, size in sizes.items()}
+        # spare lanes repeat the last set
+        members = np.minimum(np.arange(compiled.lanes), self._sets - 1)
+        self._arrays["p"][: len(self._block.p)] = numbers[members].T
+        self._arrays["front_p"][: len(bank.front.p)] = fronts[members].T
+        self._filter = _Filter(substeps=substeps, lanes=self._sets)
+        for key, array in self._arrays.items():
+            setattr(self._filter, key, array.ctypes.data)
+        self._last: tuple[Array, Array] | None = None
+
+    @property
+    def block(self) -> Block:
+        """The observer."""
+        return self._block
+
+    def samples(self, t: Array, y: Array) -> Followed:
+        """What it makes of the samples at times t (n), measurements y (n × measured), of the Block's time unit."""
+        width = len(self._block.y) + len(self._block.guards)
+        every = np.empty((self._sets, len(t), width))
+        step = max(1, _SLICE // self._substeps)
+        for start in range(0, len(t), step):
+            every[:, start : start + step] = self._slice(t[start : start + step], y[start : start + step], width)
+        return Followed(every[..., : len(self._block.y)], every[..., len(self._block.y) :])
+
+    def _slice(self, t: Array, y: Array, width: int) -> Array:
+        # the last sample comes again: measurements go in a straight line from it to the next
+        begun = self._last is not None
+        times = np.ascontiguousarray(t if self._last is None else np.concatenate([self._last[0], t]), dtype=float)
+        values = np.ascontiguousarray(y if self._last is None else np.concatenate([self._last[1], y]), dtype=float)
+        results = np.zeros((self._sets, len(times), width))
+        self._filter.begun, self._filter.n = int(begun), len(times)
+        self._filter.t, self._filter.y = times.ctypes.data, values.ctypes.data
+        self._filter.results = results.ctypes.data
+        self._compiled.dll.hillobs_follow(self._which, ctypes.byref(self._filter))
+        self._last = times[-1:], values[-1:]
+        return results[:, int(begun) :]
+
+
+def export_bank(bank: Bank) -> Source:
+    """A library that runs the observers of a bank over any recording."""
+    tables = {block.name: hoisted(block.name, functions(block, (), bank.staged(block))) for block in bank.exported}
+    return export_blocks(
+        tables=tables,
+        blocks=bank.exported,
+        sizes=bank.sizes(),
+        named=bank.named(),
+        lists={"Observers": bank.observers, "Everything": bank.exported},
+        files=("front.hpp", "filter.cpp"),
+    )

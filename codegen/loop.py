@@ -1,0 +1,92 @@
+"""A closed loop of Blocks, and the library that runs it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from ..model.block import Block, BlockError
+from .bank import Bank
+from .constants import hoisted
+from .export import Source, export_blocks
+from .stepper import functions
+
+
+@dataclass(frozen=True, eq=False)  # one is itself: symbols have no equality
+class Loop:
+    """A closed loop to export: the truth, the sensors that look at it, the observers, and the score of each."""
+
+    truth: Block
+    sensors: Block  # no states; inputs are outputs of the truth and noise
+    bank: Bank
+    score: Block
+    noise: tuple[str, ...]  # held inputs that the kernel draws, in (−1, 1]
+    pulses: tuple[str, ...]  # held inputs that the kernel switches on and off
+    flags: tuple[str, str] = ("window", "sample")  # held inputs of the score: errors count, a sample instant
+
+    @property
+    def observers(self) -> tuple[Block, ...]:
+        """Those of the bank."""
+        return self.bank.observers
+
+    @property
+    def held(self) -> tuple[str, ...]:
+        """All held inputs in array order."""
+        return (*self.noise, *self.pulses, *self.flags)
+
+    @property
+    def seen(self) -> tuple[str, ...]:
+        """The outputs of the truth that the sensors measure."""
+        return tuple(port for port in self.sensors.u if port not in self.held)
+
+    @property
+    def blocks(self) -> tuple[Block, ...]:
+        """What has parameters of its own, in the kernel's order."""
+        return (self.truth, self.sensors, *self.observers, self.score)
+
+    @property
+    def exported(self) -> tuple[Block, ...]:
+        """All Blocks that become C."""
+        return (*self.blocks, *self.bank.exported[len(self.observers) :])
+
+    def __post_init__(self) -> None:
+        names = [block.name for block in self.exported]
+        if double := {name for name in names if names.count(name) > 1}:
+            raise BlockError(f"two blocks of the loop are called {', '.join(sorted(double))}")
+        outputs = list(self.observers[0].y)
+        if odd := [observer.name for observer in self.observers if list(observer.y) != outputs]:
+            raise BlockError(f"{odd[0]}: its outputs must be {', '.join(outputs)}")
+
+    def functions(self, block: Block) -> dict[str, ca.Function]:
+        """The roles of one Block of the loop, with its parameters as an argument."""
+        staged = {
+            self.truth.name: (),
+            self.sensors.name: self.seen,
+            self.score.name: (*self.truth.y, *self.observers[0].y),
+        }.get(block.name)
+        if staged is None:
+            staged = self.bank.staged(block)
+        return functions(block, self.held, staged, self.seen if block is self.truth else ())
+
+
+def export_loop(loop: Loop) -> Source:
+    """A library that runs the loop for any parameters, initial values, seeds, durations and choice of observers."""
+    sizes = {
+        "N_NOISE": len(loop.noise),
+        "N_PULSES": len(loop.pulses),
+        "N_SEEN": len(loop.seen),
+        "N_TRUTH": len(loop.truth.y),
+        "N_ESTIMATES": len(loop.observers[0].y),
+        "N_OBSERVERS": len(loop.observers),
+        **loop.bank.sizes(),
+    }
+    return export_blocks(
+        tables={block.name: hoisted(block.name, loop.functions(block)) for block in loop.exported},
+        blocks=loop.exported,
+        sizes=sizes,
+        named={"Truth": loop.truth, "Sensors": loop.sensors, "Score": loop.score, **loop.bank.named()},
+        lists={"Observers": loop.observers, "Everything": loop.exported},
+        files=("philox.hpp", "front.hpp", "loop.cpp"),
+        held=loop.held,
+    )
