@@ -16,7 +16,7 @@ from .export import Source, export_blocks
 from .library import Array, load
 from .memory import aligned
 from .stepper import functions
-from .toolchain import NATIVE
+from .toolchain import SINGLE
 
 # steps in one call: well below 0.1 s
 _SLICE = 100_000
@@ -31,14 +31,13 @@ class _Filter(ctypes.Structure):
         *((name, ctypes.c_int64) for name in ("substeps", "begun", "n")),
         ("t", ctypes.c_void_p),
         ("y", ctypes.c_void_p),
-        ("lanes", ctypes.c_int64),
         ("results", ctypes.c_void_p),
     )
 
 
 @dataclass(frozen=True)
 class Followed:
-    """What an observer made of some samples: outputs and guards, (sets of numbers × samples × names)."""
+    """What an observer made of some samples: outputs and guards, (samples × names)."""
 
     y: Array
     guards: Array
@@ -47,7 +46,7 @@ class Followed:
 class CompiledBank:
     """A bank of observers as a loaded library; nothing that its methods take recompiles it."""
 
-    def __init__(self, bank: Bank, baseline: str = NATIVE) -> None:
+    def __init__(self, bank: Bank, baseline: str = SINGLE) -> None:
         self.bank = bank
         source = export_bank(bank)
         self.path, self.dll = load(source, baseline)
@@ -61,10 +60,9 @@ class CompiledBank:
     def follow(self, observer: str, numbers: ArrayLike, substeps: int) -> Filter:
         """An observer at the beginning of a recording.
 
-        numbers: values in the order of its `p`, (numbers) or (sets × numbers), as many sets as there are lanes at
-        most. substeps: RK4 steps from sample to sample.
+        numbers: values in the order of its `p`. substeps: RK4 steps from sample to sample.
         """
-        return Filter(self, observer, np.atleast_2d(np.asarray(numbers, dtype=float)), substeps)
+        return Filter(self, observer, np.asarray(numbers, dtype=float), substeps)
 
     def _ask(self) -> int:
         expected = [ctypes.sizeof(_Filter)]
@@ -83,12 +81,12 @@ class Filter:
 
     def __init__(self, compiled: CompiledBank, observer: str, numbers: Array, substeps: int) -> None:
         bank = compiled.bank
-        self._compiled, self._substeps, self._sets = compiled, substeps, len(numbers)
+        self._compiled, self._substeps = compiled, substeps
         self._which = [block.name for block in bank.observers].index(observer)
         self._block = bank.observers[self._which]
-        if not 1 <= self._sets <= compiled.lanes or numbers.shape[1] != len(self._block.p):
-            raise ValueError(f"{observer} takes 1 to {compiled.lanes} sets of {len(self._block.p)} numbers")
-        fronts = numbers[:, [list(self._block.p).index(name) for name in bank.front.p]]
+        if numbers.shape != (len(self._block.p),):
+            raise ValueError(f"{observer} takes {len(self._block.p)} numbers")
+        fronts = numbers[[list(self._block.p).index(name) for name in bank.front.p]]
         sizes = {
             "p": len(self._block.p),
             "c": compiled.constants[observer],
@@ -98,11 +96,9 @@ class Filter:
             "near_c": compiled.constants[(bank.near or bank.front).name],
         }
         self._arrays = {key: aligned((max(1, size), compiled.lanes)) for key, size in sizes.items()}
-        # spare lanes repeat the last set
-        members = np.minimum(np.arange(compiled.lanes), self._sets - 1)
-        self._arrays["p"][: len(self._block.p)] = numbers[members].T
-        self._arrays["front_p"][: len(bank.front.p)] = fronts[members].T
-        self._filter = _Filter(substeps=substeps, lanes=self._sets)
+        self._arrays["p"][: len(self._block.p)] = numbers[:, None]
+        self._arrays["front_p"][: len(bank.front.p)] = fronts[:, None]
+        self._filter = _Filter(substeps=substeps)
         for key, array in self._arrays.items():
             setattr(self._filter, key, array.ctypes.data)
         self._last: tuple[Array, Array] | None = None
@@ -115,24 +111,24 @@ class Filter:
     def samples(self, t: Array, y: Array) -> Followed:
         """What it makes of the samples at times t (n), measurements y (n × measured), of the Block's time unit."""
         width = len(self._block.y) + len(self._block.guards)
-        every = np.empty((self._sets, len(t), width))
+        every = np.empty((len(t), width))
         step = max(1, _SLICE // self._substeps)
         for start in range(0, len(t), step):
-            every[:, start : start + step] = self._slice(t[start : start + step], y[start : start + step], width)
-        return Followed(every[..., : len(self._block.y)], every[..., len(self._block.y) :])
+            every[start : start + step] = self._slice(t[start : start + step], y[start : start + step], width)
+        return Followed(every[:, : len(self._block.y)], every[:, len(self._block.y) :])
 
     def _slice(self, t: Array, y: Array, width: int) -> Array:
         # the last sample comes again: measurements go in a straight line from it to the next
         begun = self._last is not None
         times = np.ascontiguousarray(t if self._last is None else np.concatenate([self._last[0], t]), dtype=float)
         values = np.ascontiguousarray(y if self._last is None else np.concatenate([self._last[1], y]), dtype=float)
-        results = np.zeros((self._sets, len(times), width))
+        results = np.zeros((len(times), width))
         self._filter.begun, self._filter.n = int(begun), len(times)
         self._filter.t, self._filter.y = times.ctypes.data, values.ctypes.data
         self._filter.results = results.ctypes.data
         self._compiled.dll.hillobs_follow(self._which, ctypes.byref(self._filter))
         self._last = times[-1:], values[-1:]
-        return results[:, int(begun) :]
+        return results[int(begun) :]
 
 
 def export_bank(bank: Bank) -> Source:

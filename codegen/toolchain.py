@@ -30,13 +30,15 @@ FLAGS = (
     *("-Wall", "-Wextra", "-Wno-psabi", f"-DHILLOBS_ABI={ABI}"),  # vectors as arguments stay within one library
 )
 NATIVE = "native"
+SINGLE = "native-scalar"
 # the processors that a library is for: this one; a class of them, for equal numbers on several machines; any, one
-# run at a time
+# run at a time; this one, one run at a time
 BASELINES: Mapping[str, tuple[str, ...]] = {
     NATIVE: ("-mcpu=native",) if platform.machine() in ("aarch64", "arm64") else ("-march=native",),
     "x86-64-v3": ("-march=x86-64-v3",),
     "x86-64-v4": ("-march=x86-64-v4",),
     "scalar": ("-DHILLOBS_SCALAR",),
+    SINGLE: ("-mcpu=native" if platform.machine() in ("aarch64", "arm64") else "-march=native", "-DHILLOBS_SCALAR"),
 }
 COMPILE_TIMEOUT = 300.0  # seconds
 KEPT_LINES, KEPT_BYTES = 20, 16_000  # of what a compiler prints

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import casadi as ca
@@ -34,6 +34,15 @@ OBSERVERS = {
     "adaptive_sliding_mode": Observer(
         adaptive_sliding_mode.adaptive_sliding_mode, adaptive_sliding_mode.conditions, "ASMO"
     ),
+}
+
+
+# observers of recordings, whose layers may be corrected
+FOLLOWERS: Mapping[str, Callable[[bool], Block]] = {
+    "high_gain": lambda corrected: high_gain.high_gain(),
+    "high_gain_3": lambda corrected: high_gain.high_gain_3(),
+    "sliding_mode": sliding_mode.sliding_mode,
+    "adaptive_sliding_mode": adaptive_sliding_mode.adaptive_sliding_mode,
 }
 
 
@@ -99,4 +108,4 @@ def baseline_estimator(curves: CurveSet = NGUYEN2019, activations: bool = True) 
     return estimator(baseline(), curves, activations)
 
 
-__all__ = ["ESTIMATES", "OBSERVERS", "Observer", "baseline_estimator", "estimator", "hat", "label"]
+__all__ = ["ESTIMATES", "FOLLOWERS", "OBSERVERS", "Observer", "baseline_estimator", "estimator", "hat", "label"]

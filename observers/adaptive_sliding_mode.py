@@ -10,9 +10,10 @@ from ..model.block import Block, Parameter, Symbols, symbols
 from ..model.dialect import clamp, dead_zone, no_higher, no_lower, root, sg
 from ..model.skeleton import MASS
 from .conditions import RK4_LIMIT, Condition, above, below, between, equal, positive
+from .correction import layers_corrected
 from .ports import SENSED, START, estimates, output_errors, start
 
-_PAPER, _CHOSEN = "paper, §V", "chosen, spec §6"
+_PAPER, _CHOSEN, _OURS = "paper, §V", "chosen, spec §6", "docs/gains.md"
 _BETA0 = 1.1
 
 PARAMETERS = {
@@ -38,6 +39,12 @@ PARAMETERS = {
     "delta01": Parameter(0.001, "dead zone of r_a1", _PAPER, least=0),
     "delta02": Parameter(0.001, "dead zone of r_a2", _PAPER, least=0),
     "delta_a": Parameter(0.01, "boundary layer of the smoothed sign", _PAPER, least=0),
+    "delta_1": Parameter(
+        0.01, "boundary layer of e₁; the paper's is δ_a", _OURS, least=0, shared="adaptive_sliding_mode.delta_a"
+    ),
+    "delta_L": Parameter(
+        0.01, "boundary layer of e₃ and e₄; the paper's is δ_a", _OURS, least=0, shared="adaptive_sliding_mode.delta_a"
+    ),
     "k_0": Parameter(0.2, "k₁ and k₂ at the start", _CHOSEN, least=0),
     "L_min": Parameter(0.05, "guard: smallest gain L", _CHOSEN, above=0),
     "k_max": Parameter(10.0, "guard: largest gain k_j", _CHOSEN, above=0),
@@ -48,12 +55,12 @@ PARAMETERS = {
 }
 
 
-def adaptive_sliding_mode() -> Block:
-    """Inputs y1, y2, y3, L_S1, L_S2; seven estimates and six adaptive states."""
+def adaptive_sliding_mode(corrected: bool = False) -> Block:
+    """Inputs y1, y2, y3, L_S1, L_S2; seven estimates, maybe `corrected`, and six adaptive states."""
     x = symbols("x1_hat x2_hat Delta_hat x3_hat u1_hat x4_hat u2_hat l_a r_a0 k_1 r_a1 k_2 r_a2")
     u, p = symbols(SENSED), symbols(PARAMETERS)
     e1, e3, e4 = output_errors(x, u)
-    s1, s3, s4 = sg(e1, p.delta_a), sg(e3, p.delta_a), sg(e4, p.delta_a)
+    s1, s3, s4 = sg(e1, p.delta_1), sg(e3, p.delta_L), sg(e4, p.delta_L)
 
     # first layer of x̂₁, x̂₂.  L = l₀ + l_a,  d₀ = L − |Δ̂|/(aβ₀) − ε_a0   [La], [deltaa0]
     L = p.l0 + x.l_a
@@ -67,12 +74,13 @@ def adaptive_sliding_mode() -> Block:
     # α = α₀√L,  β = β₀L,  φ = −(L̇/L) e₁
     L = ca.fmax(L, p.L_min)
     alpha, beta, phi = p.alpha0 * ca.sqrt(L), p.beta0 * L, -dl_a / L * e1
+    v11 = alpha * root(e1) * s1 - phi
     dk_1, dr_a1, free1 = _gain(x.k_1, x.r_a1, x.u1_hat, 1, p)
     dk_2, dr_a2, free2 = _gain(x.k_2, x.r_a2, x.u2_hat, 2, p)
     k_1, k_2 = clamp(x.k_1, 0, p.k_max), clamp(x.k_2, 0, p.k_max)
     dx = Symbols(
         # x̂̇₁ = x̂₂ + α|e₁|^½ sg(e₁) − φ   [AO1a]
-        x1_hat=x.x2_hat + alpha * root(e1) * s1 - phi,
+        x1_hat=x.x2_hat + v11,
         # x̂̇₂ = (y₃ − y₂)/m + β sg(e₁)   [AO1b], corrected
         x2_hat=(u.y3 - u.y2) / p.m + beta * s1,
         # τ_a Δ̂̇ = −Δ̂ + β sg(e₁)   [AO1c], corrected
@@ -92,7 +100,7 @@ def adaptive_sliding_mode() -> Block:
         k_2=dk_2,
         r_a2=dr_a2,
     )
-    return Block(
+    block = Block(
         "adaptive_sliding_mode",
         x=x,
         u=u,
@@ -108,6 +116,7 @@ def adaptive_sliding_mode() -> Block:
             r_max=ca.fmax(x.r_a0, ca.fmax(x.r_a1, x.r_a2)) >= p.r_max,
         ),
     )
+    return layers_corrected(block, v11, e1, e3, e4) if corrected else block
 
 
 def _gain(k: ca.SX, r: ca.SX, u_hat: ca.SX, j: int, p: Symbols) -> tuple[ca.SX, ca.SX, ca.SX]:

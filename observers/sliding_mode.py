@@ -8,6 +8,7 @@ from ..model.block import Block, Parameter, Symbols, symbols
 from ..model.dialect import root, sg
 from ..model.skeleton import MASS
 from .conditions import Condition, above, below
+from .correction import layers_corrected
 from .ports import SENSED, START, estimates, output_errors, start
 
 _PAPER = "paper, §V"
@@ -19,6 +20,13 @@ PARAMETERS = {
     "alpha3": Parameter(1.0, "injection of sg(e₄) into x̂₄", _PAPER),
     "tau_s": Parameter(0.01, "time constant of the filters that give Δ̂ and û", _PAPER, above=0),
     "delta_s": Parameter(0.01, "boundary layer of the smoothed sign", _PAPER + " [deltas]", least=0),
+    "delta_L": Parameter(
+        0.01,
+        "boundary layer of e₃ and e₄; the paper's is δ_s",
+        "docs/gains.md",
+        least=0,
+        shared="sliding_mode.delta_s",
+    ),
     "m": MASS,
     **START,
 }
@@ -27,15 +35,15 @@ PARAMETERS = {
 _F_PLUS, _P = 1.0, 0.5
 
 
-def sliding_mode() -> Block:
-    """Inputs y1, y2, y3, L_S1, L_S2; seven states, which are the estimates."""
+def sliding_mode(corrected: bool = False) -> Block:
+    """Inputs y1, y2, y3, L_S1, L_S2; seven states, which are the estimates, unless these are `corrected`."""
     x = symbols("x1_hat x2_hat Delta_hat x3_hat u1_hat x4_hat u2_hat")
     u, p = symbols(SENSED), symbols(PARAMETERS)
     e1, e3, e4 = output_errors(x, u)
     # v₁₁ = λ₁₁|e₁|^½ sg(e₁)   [v11]
     v11 = p.lambda11 * root(e1) * sg(e1, p.delta_s)
     # v₁₂ = α₁₁ sg(e₁),  v₂ = α₂ sg(e₃),  v₃ = α₃ sg(e₄)   [v12]–[v3]
-    v12, v2, v3 = p.alpha11 * sg(e1, p.delta_s), p.alpha2 * sg(e3, p.delta_s), p.alpha3 * sg(e4, p.delta_s)
+    v12, v2, v3 = p.alpha11 * sg(e1, p.delta_s), p.alpha2 * sg(e3, p.delta_L), p.alpha3 * sg(e4, p.delta_L)
     dx = Symbols(
         # x̂̇₁ = x̂₂ + v₁₁   [SO1a]
         x1_hat=x.x2_hat + v11,
@@ -52,7 +60,8 @@ def sliding_mode() -> Block:
         # τ_s û̇₂ = −û₂ + v₃   [SO3b]
         u2_hat=(-x.u2_hat + v3) / p.tau_s,
     )
-    return Block("sliding_mode", x=x, u=u, p=p, parameters=PARAMETERS, dx=dx, x0=start(p), y=estimates(x))
+    block = Block("sliding_mode", x=x, u=u, p=p, parameters=PARAMETERS, dx=dx, x0=start(p), y=estimates(x))
+    return layers_corrected(block, v11, e1, e3, e4) if corrected else block
 
 
 def conditions(p: Symbols, facts: Symbols) -> list[Condition]:

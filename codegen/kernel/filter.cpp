@@ -1,4 +1,4 @@
-// Observers that follow recorded measurements, sample by sample, with a set of numbers in each lane.
+// Observers that follow a recording, sample by sample; all lanes do the same, so there had better be one.
 
 // One observer under way. All arrays are the caller's, those of V aligned for it.
 struct Filter {
@@ -8,8 +8,7 @@ struct Filter {
     int64_t substeps;     // from sample to sample
     int64_t begun, n;     // samples passed before these, of which the last comes first; samples
     const double *t, *y;  // their times; N_MEASURED numbers each
-    int64_t lanes;        // whose results are wanted
-    double *results;      // lanes × n × (outputs, guards)
+    double *results;      // n × (outputs, guards)
 };
 
 // The measurements go in a straight line from sample i − 1 to sample i: nothing later is used.
@@ -38,11 +37,9 @@ template <class B> static FLAT void leave(Filter &f, int64_t i, const V *staged)
     }
     B::out(&t, f.c, f.x, &NEVER, staged, y, domain);
     B::watch(&t, f.c, f.x, &NEVER, staged, guards);
-    for (int64_t l = 0; l < f.lanes; ++l) {
-        double *row = f.results + (l * f.n + i) * (B::NY + B::N_GUARDS);
-        for (int j = 0; j < B::NY; ++j) row[j] = lane(y[j], (int)l);
-        for (int j = 0; j < B::N_GUARDS; ++j) row[B::NY + j] = lane(guards[j], (int)l);
-    }
+    double *row = f.results + i * (B::NY + B::N_GUARDS);
+    for (int j = 0; j < B::NY; ++j) row[j] = lane(y[j], 0);
+    for (int j = 0; j < B::N_GUARDS; ++j) row[B::NY + j] = lane(guards[j], 0);
 }
 
 template <class B> static FLAT void follow(Filter &f) {
