@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib
 import linecache
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -72,33 +72,65 @@ JAX = Dialect("jax.numpy", _COMMON | _OF_ARRAYS)
 
 
 def source(f: ca.Function, dialect: Dialect) -> str:
-    """`def name(arguments): … return results`, of sequences of numbers or arrays. ValueError for an operation unknown."""
+    """`def name(arguments): … return results`, each a sequence of numbers or arrays."""
+    lines, results = _lines(f, dialect, lambda name, i: f"{name}[{i}]")
+    tuples = ", ".join(f"({', '.join(entries)},)" for entries in results)
+    return _definition(f, [*lines, f"return {tuples},"])
+
+
+def loop_source(f: ca.Function, runs: int, own: Collection[str], result: str) -> str:
+    """The same for numbers in flat arrays (numbers × runs), run by run: a loop that a compiler can turn into vectors.
+
+    own: the arguments that each run has for itself; result: which of them is overwritten by the one result.
+    """
+    lines, (results,) = _lines(f, NUMBERS, lambda name, i: f"{name}[{i * runs} + run]" if name in own else f"{name}[{i}]")
+    lines += [f"{result}[{i * runs} + run] = {value}" for i, value in enumerate(results)]
+    return _definition(f, [f"for run in range({runs}):", *(f"    {line}" for line in lines)])
+
+
+def python(f: ca.Function, dialect: Dialect) -> Callable[..., Any]:
+    """The function that `source` describes."""
+    return _function(f, dialect, source(f, dialect))
+
+
+def in_loop(f: ca.Function, runs: int, own: Collection[str], result: str) -> Callable[..., None]:
+    """The function that `loop_source` describes."""
+    return _function(f, NUMBERS, loop_source(f, runs, own, result))
+
+
+def _lines(
+    f: ca.Function, dialect: Dialect, element: Callable[[str, int], str]
+) -> tuple[list[str], list[list[str]]]:
+    """A line per instruction, and the names of the results. ValueError for an operation that is not known."""
     lines, results = [], [["0.0"] * f.numel_out(i) for i in range(f.n_out())]
     for k in range(f.n_instructions()):
         operation = f.instruction_id(k)
         operands, targets = f.instruction_input(k), f.instruction_output(k)
         if operation == ca.OP_OUTPUT:
-            results[targets[0]][targets[1]] = f"r{targets[0]}_{targets[1]}"
-            line = f"r{targets[0]}_{targets[1]} = a{operands[0]}"
+            i, j = targets
+            results[i][j] = f"r{i}_{j}"
+            lines.append(f"r{i}_{j} = a{operands[0]}")
         elif operation == ca.OP_INPUT:
-            line = f"a{targets[0]} = {f.name_in(operands[0])}[{operands[1]}]"
+            lines.append(f"a{targets[0]} = {element(f.name_in(operands[0]), operands[1])}")
         elif operation == ca.OP_CONST:
-            line = f"a{targets[0]} = {f.instruction_constant(k)!r}"
+            lines.append(f"a{targets[0]} = {f.instruction_constant(k)!r}")
         elif operation in dialect.operations:
-            words = [f"a{i}" for i in operands]
-            line = f"a{targets[0]} = " + dialect.operations[operation].format(*words)
+            words = dialect.operations[operation].format(*(f"a{i}" for i in operands))
+            lines.append(f"a{targets[0]} = {words}")
         else:
             raise ValueError(f"{f.name()}: instruction {k} is an operation that has no Python here")
-        lines.append(f"    {line}\n")
-    tuples = ", ".join(f"({', '.join(entries)},)" for entries in results)
-    return f"def {f.name()}({', '.join(f.name_in())}):\n{''.join(lines)}    return {tuples}\n"
+    return lines, results
 
 
-def python(f: ca.Function, dialect: Dialect) -> Callable[..., Any]:
-    """The function that `source` describes."""
-    text, name = source(f, dialect), f"<{f.name()} for {dialect.module}>"
+def _definition(f: ca.Function, lines: Sequence[str]) -> str:
+    return "\n    ".join([f"def {f.name()}({', '.join(f.name_in())}):", *lines]) + "\n"
+
+
+def _function(f: ca.Function, dialect: Dialect, text: str) -> Callable[..., Any]:
+    name = f"<{f.name()} for {dialect.module}>"
     space: dict[str, Any] = dict(vars(importlib.import_module(dialect.module)))
     # tracebacks and numba ask for the lines of a function
     linecache.cache[name] = (len(text), None, text.splitlines(keepends=True), name)
     exec(compile(text, name, "exec"), space)  # noqa: S102  the text is ours, from operations and numbers alone
-    return space[f.name()]
+    made: Callable[..., Any] = space[f.name()]
+    return made

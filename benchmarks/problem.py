@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import functools
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -14,12 +15,17 @@ from hillobs.codegen.export import Loop
 from hillobs.codegen.library import Array
 from hillobs.codegen.memory import Grid
 from hillobs.model.block import Block
+from hillobs.model.symbols import QUANTITIES, hat
 from hillobs.model.wiring import wire
-from hillobs.observers import OBSERVERS
+from hillobs.observers import OBSERVERS, ESTIMATES
+from hillobs.observers.score import MEASURES
 from hillobs.studies.loops import compile_loop
 from hillobs.studies.prepare import prepare
 
 SCENARIO = "paper-noisy"
+# what an observer estimates itself, and the one measure of it that a sweep of RMSE needs: 21 sums for three observers
+LEAN_SCORE = tuple(name for name in QUANTITIES if hat(name) in ESTIMATES), ("rmse",)
+FULL_SCORE = tuple(QUANTITIES), tuple(MEASURES)
 
 
 @dataclass(frozen=True, eq=False)  # one is itself: arrays have no truth value
@@ -48,21 +54,31 @@ class Problem:
 
 
 @functools.cache
-def problem() -> Problem:
-    """The scenario as shipped."""
-    prepared = prepare(SCENARIO, None, {})
+def problem(score: tuple[tuple[str, ...], tuple[str, ...]] = LEAN_SCORE) -> Problem:
+    """The scenario as shipped, scored by quantities and measures."""
+    prepared = prepare(SCENARIO, None, {}, *score)
     loop, given = prepared.loop, prepared.scenario.given
     numbers = {block.name: prepared.table.values(block, given) for block in loop.blocks}
-    unknown = Problem(loop, prepared.grid, numbers, np.empty(0))
-    return replace(unknown, x0=states(unknown, compile_loop(loop), 0))
+    blank = Problem(loop, prepared.grid, numbers, np.empty(0))
+    return replace(blank, x0=states(blank, 0))
 
 
-def states(of: Problem, compiled: CompiledLoop, steps: int) -> Array:
+def states(of: Problem, steps: int, compiled: CompiledLoop | None = None) -> Array:
     """The 31 states of our own kernel after so many steps without noise: what every contender must reach."""
-    record = max(1, steps)
-    grid = replace(of.grid, steps=record, record=record, hold=0)
-    traces = compiled.run(grid, 0, of.numbers, of.names)
-    return np.concatenate([traces[block.name].x[0 if steps == 0 else -1] for block in (of.loop.truth, *of.observers)])
+    grid = replace(of.grid, steps=max(1, steps), record=max(1, steps), hold=0)
+    traces = (compiled or compile_loop(of.loop)).run(grid, 0, of.numbers, of.names)
+    return np.concatenate([traces[block.name].x[min(1, steps)] for block in (of.loop.truth, *of.observers)])
+
+
+def noise(of: Problem, runs: int, steps: int) -> Array:
+    """(samples × channels × runs) of the kernel's own noise, seeds 0, 1, …; one sample more where steps end in a hold."""
+    samples = -(-steps // of.grid.hold)
+    values = np.empty((runs, len(of.loop.noise), samples))
+    draw = compile_loop(of.loop).dll.hillobs_noise
+    draw.argtypes = (ctypes.c_uint64, ctypes.c_uint32, ctypes.c_uint32, ctypes.c_int64, ctypes.c_void_p)
+    for seed, channel in np.ndindex(values.shape[:2]):
+        draw(seed, channel, 0, samples, values[seed, channel].ctypes.data)
+    return np.ascontiguousarray(values.transpose(2, 1, 0))
 
 
 def whole(of: Problem) -> tuple[Block, list[float]]:
