@@ -11,6 +11,10 @@ from hillobs.codegen.cache import BuildError
 from hillobs.codegen.library import Array
 
 from ..problem import Problem, noise
+from ..roofline import Work
+
+# rounding apart
+_SAME = 1e-9
 
 
 class AbsentError(RuntimeError):
@@ -22,7 +26,8 @@ class Contender:
     """One row of the table.
 
     work: simulates `runs` × `steps` closed-loop steps with noise; final: the 31 states after `steps` steps without.
-    tolerance: how far these may be from our kernel's, which takes the same RK4 steps.
+    tolerance: how far these may be from our kernel's, which takes the same RK4 steps. operations: what one step of ours
+    takes. reference: the short name of one that all are compared with.
     """
 
     name: str
@@ -30,11 +35,19 @@ class Contender:
     steps: int
     work: Callable[[], object]
     final: Callable[[], Array]
-    tolerance: float = 1e-9
+    tolerance: float = _SAME
+    operations: Work | None = None
+    reference: str = ""
 
 
 def marching(
-    name: str, of: Problem, runs: int, steps: int, march: Callable[[Array], Array], tolerance: float = 1e-9
+    name: str,
+    of: Problem,
+    runs: int,
+    steps: int,
+    march: Callable[[Array], Array],
+    tolerance: float = _SAME,
+    reference: str = "",
 ) -> Contender:
     """A contender whose `march` takes noise (samples × channels × runs) and returns the states, 31 × runs."""
     samples = noise(of, runs, steps)
@@ -42,7 +55,7 @@ def marching(
     def final() -> Array:
         return np.asarray(march(np.zeros_like(samples)))[:, -1]
 
-    return Contender(name, runs, steps, lambda: march(samples), final, tolerance)
+    return Contender(name, runs, steps, lambda: march(samples), final, tolerance, reference=reference)
 
 
 Builder = Callable[[Problem], Contender]

@@ -52,4 +52,4 @@ def scan(of: Problem) -> Contender:
     def march(samples: Array) -> Array:
         return np.asarray(compiled(samples))
 
-    return marching(f"JAX scan + vmap, {_RUNS} runs abreast, lean", of, _RUNS, _STEPS, march)
+    return marching(f"JAX scan + vmap, {_RUNS} runs abreast, lean", of, _RUNS, _STEPS, march, reference="JAX")

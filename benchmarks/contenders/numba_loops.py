@@ -39,7 +39,7 @@ def abreast(of: Problem) -> Contender:
         compiled(x, clock, samples.reshape(len(samples), -1))
         return x.reshape(-1, _RUNS)
 
-    return marching(f"numba, {_RUNS} runs abreast, lean step", of, _RUNS, _STEPS, march)
+    return marching(f"numba, {_RUNS} runs abreast, lean step", of, _RUNS, _STEPS, march, reference="numba")
 
 
 def one_by_one(of: Problem) -> Contender:

@@ -11,9 +11,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from hillobs.codegen.batch import CompiledLoop
-from hillobs.codegen.toolchain import NATIVE, find_compiler
+from hillobs.codegen.toolchain import find_compiler
 
 from ..problem import FULL_SCORE, Problem, problem, states
+from ..roofline import Work, work_of_a_step
 from . import AbsentError, Contender
 
 _RUNS = 256
@@ -21,7 +22,7 @@ _RUNS = 256
 
 def lean_score(of: Problem) -> Contender:
     """As a sweep runs it: one truth for all runs, 21 error sums."""
-    return _contender(f"hillobs, {find_compiler().kind}", of, CompiledLoop(of.loop), of.numbers)
+    return _contender(f"hillobs, {find_compiler().kind}", of, CompiledLoop(of.loop), of.numbers, work_of_a_step(of, with_truth=False))
 
 
 def own_truth(of: Problem) -> Contender:
@@ -31,13 +32,14 @@ def own_truth(of: Problem) -> Contender:
     # one start that differs is enough
     numbers[0, list(of.loop.truth.p).index("initial.x1")] += 1e-6
     given = {**of.numbers, name: numbers}
-    return _contender(f"hillobs, {find_compiler().kind}, a truth per run", of, CompiledLoop(of.loop), given)
+    return _contender(f"hillobs, {find_compiler().kind}, a truth per run", of, CompiledLoop(of.loop), given, work_of_a_step(of, with_truth=True))
 
 
 def full_score(of: Problem) -> Contender:
     """With all measures of `hillobs simulate`, activations too."""
     full = problem(FULL_SCORE)
-    return _contender(f"hillobs, {find_compiler().kind}, all measures", full, CompiledLoop(full.loop), full.numbers)
+    work = work_of_a_step(full, with_truth=False)
+    return _contender(f"hillobs, {find_compiler().kind}, all measures", full, CompiledLoop(full.loop), full.numbers, work)
 
 
 def clang(of: Problem) -> Contender:
@@ -45,17 +47,17 @@ def clang(of: Problem) -> Contender:
     if shutil.which("clang++") is None:
         raise AbsentError("clang++ is not installed")
     with _compiler("clang++"):
-        return _contender("hillobs, clang", of, CompiledLoop(of.loop), of.numbers)
+        return _contender("hillobs, clang", of, CompiledLoop(of.loop), of.numbers, work_of_a_step(of, with_truth=False))
 
 
 def scalar(of: Problem) -> Contender:
     """One run at a time."""
     name = f"hillobs, {find_compiler().kind}, scalar"
-    return _contender(name, of, CompiledLoop(of.loop, "scalar"), of.numbers, runs=4)
+    return _contender(name, of, CompiledLoop(of.loop, "scalar"), of.numbers, work_of_a_step(of, with_truth=False), runs=4)
 
 
 def _contender(
-    name: str, of: Problem, compiled: CompiledLoop, numbers: Mapping[str, ArrayLike], runs: int = _RUNS
+    name: str, of: Problem, compiled: CompiledLoop, numbers: Mapping[str, ArrayLike], work: Work, runs: int = _RUNS
 ) -> Contender:
     seeds = np.arange(runs, dtype=np.uint64)
     return Contender(
@@ -64,6 +66,7 @@ def _contender(
         of.grid.steps,
         lambda: compiled.batch(of.grid, seeds, numbers, of.names),
         lambda: states(of, of.grid.steps, compiled),
+        operations=work,
     )
 
 

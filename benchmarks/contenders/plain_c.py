@@ -27,7 +27,7 @@ _FLAGS = ("-O3", *BASELINES[NATIVE], "-fPIC", "-shared")
 def exported(of: Problem) -> Contender:
     """The wired Block as it stands."""
     f, numbers = right_hand_side(of)
-    return _contender(f"CasADi's C as exported, {' '.join(_FLAGS[:2])}", of, f, numbers)
+    return _contender(f"CasADi's C as exported, {' '.join(_FLAGS[:2])}", of, f, numbers, "CasADi's C")
 
 
 def shared(of: Problem) -> Contender:
@@ -39,7 +39,7 @@ def shared(of: Problem) -> Contender:
     return _contender("… numbers written in, after ca.cse", of, whole, [])
 
 
-def _contender(name: str, of: Problem, f: ca.Function, numbers: list[float]) -> Contender:
+def _contender(name: str, of: Problem, f: ca.Function, numbers: list[float], reference: str = "") -> Contender:
     march = _compiled(f, len(of.loop.noise))
     p = np.array([*numbers, 0.0])
 
@@ -48,7 +48,7 @@ def _contender(name: str, of: Problem, f: ca.Function, numbers: list[float]) -> 
         march(x.ctypes.data, p.ctypes.data, w.ctypes.data, of.grid.h, _STEPS, of.grid.hold)
         return x[:, None]
 
-    return marching(name, of, 1, _STEPS, run)
+    return marching(name, of, 1, _STEPS, run, reference=reference)
 
 
 def _compiled(f: ca.Function, channels: int) -> ctypes._NamedFuncPointer:
