@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import sys
+from functools import partial
 
 import numpy as np
+
 from hillobs.studies.terminal import bar, complain, print_table, user_errors
 
 from . import report, scaling
@@ -24,8 +26,8 @@ def main() -> None:
         taking_part = list(contenders(of, missing.append))
         deviations = checked(of, taking_part)
         with bar("rounds") as progress:
-            amounts = {c.name: repeated(lambda c=c: counted(c)) for c in taking_part}
-            rates = interleaved({**amounts, **{name: lambda name=name: peak(name) for name in PEAKS}}, progress)
+            amounts = {c.name: repeated(partial(counted, c)) for c in taking_part}
+            rates = interleaved({**amounts, **{name: partial(peak, name) for name in PEAKS}}, progress)
         sections = [
             report.comparison(taking_part, rates, deviations),
             report.roofline(taking_part, rates),
@@ -33,6 +35,7 @@ def main() -> None:
         ]
         memory = report.memory(*scaling.memory())
         for section in sections:
+            print(section.title)
             print_table(section.table())
         left_out = [f"Left out: {sentence}." for sentence in missing]
         for line in (memory, *machine(), *left_out):

@@ -83,7 +83,9 @@ def loop_source(f: ca.Function, runs: int, own: Collection[str], result: str) ->
 
     own: the arguments that each run has for itself; result: which of them is overwritten by the one result.
     """
-    lines, (results,) = _lines(f, NUMBERS, lambda name, i: f"{name}[{i * runs} + run]" if name in own else f"{name}[{i}]")
+    lines, (results,) = _lines(
+        f, NUMBERS, lambda name, i: f"{name}[{i * runs} + run]" if name in own else f"{name}[{i}]"
+    )
     lines += [f"{result}[{i * runs} + run] = {value}" for i, value in enumerate(results)]
     return _definition(f, [f"for run in range({runs}):", *(f"    {line}" for line in lines)])
 
@@ -98,9 +100,7 @@ def in_loop(f: ca.Function, runs: int, own: Collection[str], result: str) -> Cal
     return _function(f, NUMBERS, loop_source(f, runs, own, result))
 
 
-def _lines(
-    f: ca.Function, dialect: Dialect, element: Callable[[str, int], str]
-) -> tuple[list[str], list[list[str]]]:
+def _lines(f: ca.Function, dialect: Dialect, element: Callable[[str, int], str]) -> tuple[list[str], list[list[str]]]:
     """A line per instruction, and the names of the results. ValueError for an operation that is not known."""
     lines, results = [], [["0.0"] * f.numel_out(i) for i in range(f.n_out())]
     for k in range(f.n_instructions()):

@@ -16,7 +16,7 @@ import numpy as np
 from hillobs.codegen.constants import hoisted
 from hillobs.codegen.library import Array
 from hillobs.codegen.stepper import STAGES
-from hillobs.model.block import Block, Symbols
+from hillobs.model.block import Block, BlockError, Symbols
 from hillobs.observers.tendons import tendons_of_a_step
 
 from .problem import Problem, right_hand_side
@@ -31,7 +31,7 @@ class Lean:
 
     def table(self, times: Array) -> Array:
         """(times × numbers) of c."""
-        return np.ascontiguousarray(np.array(self.clock(times[None, :])).T)
+        return np.array(np.array(self.clock(times[None, :])).T, dtype=np.float64, order="C")
 
 
 def lean_rates(of: Problem) -> Lean:
@@ -57,12 +57,11 @@ def lean_step(of: Problem) -> Lean:
     truth = role("step", loop.truth, of.numbers[loop.truth.name])(t=t, x=states[0], held=held)
     look = role("out", loop.sensors, of.numbers[loop.sensors.name])
     measured = [look(held=held, staged=stage)["y"] for stage in ca.horzsplit(truth["stages"])]
-    near = tendons_of_a_step(STAGES)
-    assert near is not None
+    near = _there(loop.near)
     blank = ca.SX.zeros(len(loop.front.y))
     # the front sees a column of the measurements, and room for its own results, per stage
     given = ca.vertcat(*(entry for y in measured for entry in (y, blank)))
-    lengths = role("out", loop.near, of.front(loop.near))(staged=given)["y"][:-1]
+    lengths = role("out", near, of.front(near))(staged=given)["y"][:-1]
     staged = ca.vertcat(ca.horzcat(*measured), ca.reshape(lengths, -1, STAGES))
     after = [truth["x_next"]]
     for block, state in zip(of.observers, states[1:], strict=True):
@@ -73,15 +72,19 @@ def lean_step(of: Problem) -> Lean:
 
 def _front_of_a_stage(of: Problem) -> Block:
     """The front by the quick inverse, at one stage."""
-    near = tendons_of_a_step(1)
+    near = _there(tendons_of_a_step(1))
     u = Symbols({name.removesuffix(".0"): symbol for name, symbol in near.u.items()})
     y = Symbols({name.removesuffix(".0"): length for name, length in near.y.items() if name != "doubt"})
     return replace(near, name=of.loop.front.name, u=u, y=y)
 
 
-def _folded(
-    role: str, name: str, table: Mapping[str, ca.Function], h: float, numbers: Sequence[float]
-) -> ca.Function:
+def _there(near: Block | None) -> Block:
+    if near is None:
+        raise BlockError("the curves have no quick inverse for the peers")
+    return near
+
+
+def _folded(role: str, name: str, table: Mapping[str, ca.Function], h: float, numbers: Sequence[float]) -> ca.Function:
     """A role of a block with its numbers in it, by the same rewriting as for the kernel."""
     roles = hoisted(name, table)
     f, constants = roles[role], roles["constants"](h, numbers)

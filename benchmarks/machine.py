@@ -22,7 +22,9 @@ def machine() -> list[str]:
         f"Processor: {_cpu('model') or platform.processor() or 'unknown'} ({platform.machine()}, {_cpu('vectors')}), "
         f"{platform.system()}. One core, CPU time.",
         f"Compiler of hillobs and of the peaks: {_compiler()}.",
-        "Versions: " + ", ".join([f"Python {platform.python_version()}", *filter(None, map(_version, _PACKAGES))]) + ".",
+        "Versions: "
+        + ", ".join([f"Python {platform.python_version()}", *filter(None, map(_version, _PACKAGES))])
+        + ".",
     ]
 
 

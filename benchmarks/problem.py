@@ -1,4 +1,4 @@
-"""What every contender simulates: the closed loop of `paper-noisy` with its three observers, one composite of 31 states."""
+"""What every contender simulates: the closed loop of `paper-noisy` with its three observers, 31 states."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from hillobs.codegen.memory import Grid
 from hillobs.model.block import Block
 from hillobs.model.symbols import QUANTITIES, hat
 from hillobs.model.wiring import wire
-from hillobs.observers import OBSERVERS, ESTIMATES
+from hillobs.observers import ESTIMATES, OBSERVERS
 from hillobs.observers.score import MEASURES
 from hillobs.studies.loops import compile_loop
 from hillobs.studies.prepare import prepare
@@ -47,6 +47,10 @@ class Problem:
         """Their names."""
         return [block.name for block in self.observers]
 
+    def times(self, steps: int) -> Array:
+        """When each step begins."""
+        return np.arange(steps, dtype=np.float64) * np.float64(self.grid.h)
+
     def front(self, block: Block) -> list[float]:
         """The numbers of a front `block`: what the observers have of the same names."""
         whose = self.observers[0]
@@ -71,7 +75,7 @@ def states(of: Problem, steps: int, compiled: CompiledLoop | None = None) -> Arr
 
 
 def noise(of: Problem, runs: int, steps: int) -> Array:
-    """(samples × channels × runs) of the kernel's own noise, seeds 0, 1, …; one sample more where steps end in a hold."""
+    """(samples × channels × runs) of the kernel's own noise for the seeds 0, 1, …."""
     samples = -(-steps // of.grid.hold)
     values = np.empty((runs, len(of.loop.noise), samples))
     draw = compile_loop(of.loop).dll.hillobs_noise

@@ -35,8 +35,8 @@ class Section:
         return f"{self.title}\n\n" + "\n".join(lines)
 
     def table(self) -> Table:
-        """As on a terminal."""
-        table = Table(title=self.title, title_justify="left", box=None, padding=(0, 1, 0, 0))
+        """As on a terminal, without the title."""
+        table = Table(box=None, padding=(0, 1, 0, 0))
         for i, name in enumerate(self.head):
             table.add_column(name, justify="right" if i else "left", no_wrap=not i)
         for row in self.rows:
@@ -57,7 +57,9 @@ def comparison(taking_part: Sequence[Contender], rates: Rates, deviations: Mappi
         ]
         for c in taking_part
     ]
-    title = f"Million closed-loop steps per CPU second, median and best of {ROUNDS} interleaved rounds; ratios within them."
+    title = (
+        f"Million closed-loop steps per CPU second, median and best of {ROUNDS} interleaved rounds; ratios within them."
+    )
     return Section(title, ["", "median", "best", *(f"/ {name}" for name in references), "deviation"], rows)
 
 
@@ -113,4 +115,4 @@ def write(parts: Sequence[str]) -> None:
 
 def _digits(value: float) -> str:
     """Three digits."""
-    return f"{value:,.0f}" if value >= 100 else f"{value:#.3g}".rstrip(".")  # noqa: PLR2004  digits
+    return f"{value:,.0f}" if value >= 100 else f"{value:#.3g}".rstrip(".")

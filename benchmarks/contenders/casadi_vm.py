@@ -24,7 +24,7 @@ def as_written(of: Problem) -> Contender:
     k3 = f(t + h / 2, x + h / 2 * k2, numbers, w)
     k4 = f(t + h, x + h * k3, numbers, w)
     step = ca.Function("step", [x, t, w], [x + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)])
-    return _contender("CasADi mapaccum, as written", of, step, np.arange(_STEPS)[:, None] * h)
+    return _contender("CasADi mapaccum, as written", of, step, of.times(_STEPS)[:, None])
 
 
 def lean(of: Problem) -> Contender:
@@ -33,7 +33,7 @@ def lean(of: Problem) -> Contender:
     f = made.function
     c, x, w = (ca.SX.sym(name, *f.size_in(name)) for name in f.name_in())
     step = ca.Function("step", [x, c, w], [f(c, x, w)])
-    return _contender("CasADi mapaccum, lean step", of, step, made.table(np.arange(_STEPS) * of.grid.h))
+    return _contender("CasADi mapaccum, lean step", of, step, made.table(of.times(_STEPS)))
 
 
 def _contender(name: str, of: Problem, step: ca.Function, times: Array) -> Contender:

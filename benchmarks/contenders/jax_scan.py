@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from hillobs.codegen.library import Array
@@ -11,6 +13,8 @@ from ..lean import lean_rates
 from ..problem import Problem
 from . import Contender, marching
 from .optional import imported
+
+Traced = Any  # JAX's arrays while it writes down what is done with them
 
 _RUNS, _STEPS = 512, 400
 # the widest registers, and the order of operations that keeps them in the nearest cache
@@ -27,14 +31,14 @@ def scan(of: Problem) -> Contender:
     # c at the start, the middle and the end of each step
     clock = np.stack([halves[:-1:2], halves[1::2], halves[2::2]], axis=1).reshape(_STEPS // hold, hold, 3, -1)
 
-    def rates(c, x, w):  # noqa: ANN001, ANN202  traced values
+    def rates(c: Traced, x: Traced, w: Traced) -> Traced:
         return jnp.stack(emitted(c, x, w)[0])
 
-    def run(noise):  # noqa: ANN001, ANN202  traced values
-        def of_a_hold(x, given):  # noqa: ANN001, ANN202  traced values
+    def run(noise: Traced) -> Traced:
+        def of_a_hold(x: Traced, given: Traced) -> tuple[Traced, None]:
             times, w = given
 
-            def step(x, c):  # noqa: ANN001, ANN202  traced values
+            def step(x: Traced, c: Traced) -> tuple[Traced, None]:
                 k1 = rates(c[0], x, w)
                 k2 = rates(c[1], x + h / 2 * k1, w)
                 k3 = rates(c[1], x + h / 2 * k2, w)

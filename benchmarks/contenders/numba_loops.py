@@ -14,7 +14,7 @@ from hillobs.codegen.library import Array
 from ..emit import NUMBERS, in_loop, python
 from ..lean import lean_step
 from ..problem import Problem
-from . import AbsentError, Contender, marching
+from . import Contender, marching
 from .optional import imported
 
 _RUNS, _STEPS = 64, 2_000
@@ -26,7 +26,7 @@ def abreast(of: Problem) -> Contender:
     """The lean step in an inner loop over runs."""
     numba, lean = _numba(), lean_step(of)
     step = numba.njit(**_OPTIONS)(in_loop(lean.function, _RUNS, ("x", "w"), "x"))
-    clock, hold = lean.table(np.arange(_STEPS) * of.grid.h), of.grid.hold
+    clock, hold = lean.table(of.times(_STEPS)), of.grid.hold
 
     def loop(x: Array, clock: Array, noise: Array) -> None:
         for k in range(len(clock)):
@@ -46,7 +46,7 @@ def one_by_one(of: Problem) -> Contender:
     """The lean step, one run."""
     numba, lean = _numba(), lean_step(of)
     step = numba.njit(**_OPTIONS)(python(lean.function, NUMBERS))
-    clock, hold = lean.table(np.arange(_STEPS) * of.grid.h), of.grid.hold
+    clock, hold = lean.table(of.times(_STEPS)), of.grid.hold
 
     def loop(x: Array, clock: Array, noise: Array) -> None:
         for k in range(len(clock)):

@@ -17,7 +17,7 @@ _RUNS, _STEPS = 4096, 100
 def batch(of: Problem, runs: int = _RUNS) -> Contender:
     """The lean step; so many runs fill the caches and hide the interpreter."""
     lean = lean_step(of)
-    step, clock = python(lean.function, NUMPY), lean.table(np.arange(_STEPS) * of.grid.h).tolist()
+    step, clock = python(lean.function, NUMPY), lean.table(of.times(_STEPS)).tolist()
 
     def march(samples: Array) -> Array:
         x = [np.full(runs, value) for value in of.x0]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -22,7 +23,9 @@ _RUNS = 256
 
 def lean_score(of: Problem) -> Contender:
     """As a sweep runs it: one truth for all runs, 21 error sums."""
-    return _contender(f"hillobs, {find_compiler().kind}", of, CompiledLoop(of.loop), of.numbers, work_of_a_step(of, with_truth=False))
+    return _contender(
+        f"hillobs, {_compiler_name()}", of, CompiledLoop(of.loop), of.numbers, work_of_a_step(of, with_truth=False)
+    )
 
 
 def own_truth(of: Problem) -> Contender:
@@ -31,15 +34,21 @@ def own_truth(of: Problem) -> Contender:
     numbers = np.repeat(np.array([of.numbers[name]]), _RUNS, axis=0)
     # one start that differs is enough
     numbers[0, list(of.loop.truth.p).index("initial.x1")] += 1e-6
-    given = {**of.numbers, name: numbers}
-    return _contender(f"hillobs, {find_compiler().kind}, a truth per run", of, CompiledLoop(of.loop), given, work_of_a_step(of, with_truth=True))
+    given: dict[str, ArrayLike] = {**of.numbers, name: numbers}
+    return _contender(
+        f"hillobs, {_compiler_name()}, a truth per run",
+        of,
+        CompiledLoop(of.loop),
+        given,
+        work_of_a_step(of, with_truth=True),
+    )
 
 
 def full_score(of: Problem) -> Contender:
     """With all measures of `hillobs simulate`, activations too."""
     full = problem(FULL_SCORE)
     work = work_of_a_step(full, with_truth=False)
-    return _contender(f"hillobs, {find_compiler().kind}, all measures", full, CompiledLoop(full.loop), full.numbers, work)
+    return _contender(f"hillobs, {_compiler_name()}, all measures", full, CompiledLoop(full.loop), full.numbers, work)
 
 
 def clang(of: Problem) -> Contender:
@@ -47,13 +56,17 @@ def clang(of: Problem) -> Contender:
     if shutil.which("clang++") is None:
         raise AbsentError("clang++ is not installed")
     with _compiler("clang++"):
-        return _contender("hillobs, clang", of, CompiledLoop(of.loop), of.numbers, work_of_a_step(of, with_truth=False))
+        return _contender(
+            f"hillobs, {_compiler_name()}", of, CompiledLoop(of.loop), of.numbers, work_of_a_step(of, with_truth=False)
+        )
 
 
 def scalar(of: Problem) -> Contender:
     """One run at a time."""
-    name = f"hillobs, {find_compiler().kind}, scalar"
-    return _contender(name, of, CompiledLoop(of.loop, "scalar"), of.numbers, work_of_a_step(of, with_truth=False), runs=4)
+    name = f"hillobs, {_compiler_name()}, scalar"
+    return _contender(
+        name, of, CompiledLoop(of.loop, "scalar"), of.numbers, work_of_a_step(of, with_truth=False), runs=4
+    )
 
 
 def _contender(
@@ -68,6 +81,13 @@ def _contender(
         lambda: states(of, of.grid.steps, compiled),
         operations=work,
     )
+
+
+def _compiler_name() -> str:
+    """`gcc 12.2.0` and the like."""
+    compiler = find_compiler()
+    number = re.search(r"\d+\.\d+(\.\d+)?", compiler.version)
+    return f"{compiler.kind} {number[0] if number else ''}".strip()
 
 
 @contextmanager

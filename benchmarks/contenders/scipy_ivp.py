@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
-
 from hillobs.codegen.library import Array
 
 from ..emit import NUMBERS, python
@@ -40,7 +38,8 @@ def _contender(name: str, of: Problem, **options: Any) -> Contender:  # noqa: AN
         for i, w in enumerate(samples[:, :, 0].tolist()):
 
             def f(t: float, x: Array, w: list[float] = w) -> tuple[float, ...]:
-                return rates(clock((t,))[0], x.tolist(), w)[0]
+                dx: tuple[float, ...] = rates(clock((t,))[0], x.tolist(), w)[0]
+                return dx
 
             x = solve(f, (i * period, (i + 1) * period), x, t_eval=((i + 1) * period,), **options).y[:, -1]
         return x[:, None]
