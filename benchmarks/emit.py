@@ -74,8 +74,9 @@ JAX = Dialect("jax.numpy", _COMMON | _OF_ARRAYS)
 def source(f: ca.Function, dialect: Dialect) -> str:
     """`def name(arguments): … return results`, each a sequence of numbers or arrays."""
     lines, results = _lines(f, dialect, lambda name, i: f"{name}[{i}]")
-    tuples = ", ".join(f"({', '.join(entries)},)" for entries in results)
-    return _definition(f, [*lines, f"return {tuples},"])
+    # a comma behind each entry: one alone, or none, is a tuple too
+    tuples = "".join(f"({''.join(f'{entry}, ' for entry in entries)}), " for entries in results)
+    return _definition(f, [*lines, f"return ({tuples})"])
 
 
 def loop_source(f: ca.Function, runs: int, own: Collection[str], result: str) -> str:
