@@ -16,6 +16,7 @@ $(VENV)/.installed: pyproject.toml
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[dev]'
 	@mkdir -p $(VENV)/types/hillobs && for part in hillobs/*.py hillobs/py.typed model observers codegen studies; do \
 		ln -sfn "$(CURDIR)/$$part" $(VENV)/types/hillobs/; done
+	@ln -sfn "$(CURDIR)/benchmarks" $(VENV)/types/
 	@touch $@
 
 sim: $(VENV)/.installed ## both of the paper's simulations, with all figures, into results/
@@ -36,7 +37,7 @@ lint: $(VENV)/.installed ## ruff's rules
 	$(BIN)/ruff check $(CODE)
 
 types: $(VENV)/.installed ## mypy, strict
-	cd $(VENV)/types && ../bin/mypy --config-file ../../pyproject.toml -p hillobs
+	cd $(VENV)/types && ../bin/mypy --config-file ../../pyproject.toml -p hillobs -p benchmarks
 
 observability: $(VENV)/.installed ## ranks, maps and figures of docs/observability.md
 	$(BIN)/python -m hillobs.studies.observability_study
@@ -44,8 +45,13 @@ observability: $(VENV)/.installed ## ranks, maps and figures of docs/observabili
 chaos: $(VENV)/.installed ## long fault injection: kills, full disks, races
 	$(BIN)/python -m pytest -m chaos -p no:cacheprovider
 
-bench: $(VENV)/.installed ## how fast the loop is, as ratios
-	$(BIN)/python benchmarks/loop.py
+# who cannot be installed here does not take part
+$(VENV)/.bench: $(VENV)/.installed
+	-$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[dev,bench]'
+	@touch $@
+
+bench: $(VENV)/.bench ## how fast the loop is beside CasADi's C, numba, JAX …: docs/performance.md
+	$(BIN)/python -m benchmarks
 
 clean: ## remove results, caches and compiled libraries
 	rm -rf results build/cache .setuptools .pytest_cache .mypy_cache .ruff_cache .hypothesis

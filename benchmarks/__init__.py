@@ -1,0 +1,1 @@
+"""How fast the closed loop is, beside what else could run it: `make bench`."""
