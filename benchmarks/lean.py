@@ -36,7 +36,8 @@ class Lean:
 
 def lean_rates(of: Problem) -> Lean:
     """ẋ = f(c, x, w)."""
-    quick = replace(of, loop=replace(of.loop, front=_front_of_a_stage(of), near=None))
+    bank = replace(of.loop.bank, front=_front_of_a_stage(of), near=None)
+    quick = replace(of, loop=replace(of.loop, bank=bank))
     f, numbers = right_hand_side(quick)
     rates = _folded("rates", f.name(), {"init": f, "rates": f}, of.grid.h, numbers)
     t, x, w = ca.SX.sym("t"), ca.SX.sym("x", len(of.x0)), ca.SX.sym("w", len(of.loop.noise))
@@ -57,8 +58,8 @@ def lean_step(of: Problem) -> Lean:
     truth = role("step", loop.truth, of.numbers[loop.truth.name])(t=t, x=states[0], held=held)
     look = role("out", loop.sensors, of.numbers[loop.sensors.name])
     measured = [look(held=held, staged=stage)["y"] for stage in ca.horzsplit(truth["stages"])]
-    near = _there(loop.near)
-    blank = ca.SX.zeros(len(loop.front.y))
+    near = _there(loop.bank.near)
+    blank = ca.SX.zeros(len(loop.bank.front.y))
     # the front sees a column of the measurements, and room for its own results, per stage
     given = ca.vertcat(*(entry for y in measured for entry in (y, blank)))
     lengths = role("out", near, of.front(near))(staged=given)["y"][:-1]
@@ -75,7 +76,7 @@ def _front_of_a_stage(of: Problem) -> Block:
     near = _there(tendons_of_a_step(1))
     u = Symbols({name.removesuffix(".0"): symbol for name, symbol in near.u.items()})
     y = Symbols({name.removesuffix(".0"): length for name, length in near.y.items() if name != "doubt"})
-    return replace(near, name=of.loop.front.name, u=u, y=y)
+    return replace(near, name=of.loop.bank.front.name, u=u, y=y)
 
 
 def _there(near: Block | None) -> Block:

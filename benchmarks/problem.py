@@ -11,8 +11,8 @@ import casadi as ca
 import numpy as np
 
 from hillobs.codegen.batch import CompiledLoop
-from hillobs.codegen.export import Loop
 from hillobs.codegen.library import Array
+from hillobs.codegen.loop import Loop
 from hillobs.codegen.memory import Grid
 from hillobs.model.block import Block
 from hillobs.model.symbols import QUANTITIES, hat
@@ -90,19 +90,19 @@ def whole(of: Problem) -> tuple[Block, list[float]]:
     loop = of.loop
     sensed = {f"{loop.sensors.name}.{port}": f"{loop.truth.name}.{port}" for port in loop.seen}
     noise = {f"{loop.sensors.name}.{port}": port for port in loop.noise}
-    front = {f"{loop.front.name}.{port}": f"{loop.sensors.name}.{port}" for port in loop.front.u}
+    front = {f"{loop.bank.front.name}.{port}": f"{loop.sensors.name}.{port}" for port in loop.bank.front.u}
     seen = {
-        f"{block.name}.{port}": f"{loop.front.name if port in loop.front.y else loop.sensors.name}.{port}"
+        f"{block.name}.{port}": f"{loop.bank.front.name if port in loop.bank.front.y else loop.sensors.name}.{port}"
         for block in of.observers
         for port in block.u
     }
     # the scenario has no pulses
     idle = {f"{loop.truth.name}.{port}": 0.0 for port in loop.pulses}
     time = {f"{loop.truth.name}.t": "t"}
-    parts = [loop.truth, loop.sensors, loop.front, *of.observers]
+    parts = [loop.truth, loop.sensors, loop.bank.front, *of.observers]
     external = {"t": "t", **dict.fromkeys(loop.noise, "held")}
     block = wire("whole", parts, {**time, **idle, **sensed, **noise, **front, **seen}, external)
-    numbers = [*of.numbers[loop.truth.name], *of.numbers[loop.sensors.name], *of.front(loop.front)]
+    numbers = [*of.numbers[loop.truth.name], *of.numbers[loop.sensors.name], *of.front(loop.bank.front)]
     return block, [*numbers, *(number for name in of.names for number in of.numbers[name])]
 
 

@@ -56,7 +56,7 @@ def work_of_a_step(of: Problem, with_truth: bool) -> Work:
     def role(name: str, block: Block) -> Work:
         return work_of(hoisted(block.name, of.loop.functions(block))[name])
 
-    total = role("out", of.loop.sensors).times(STAGES) + role("out", of.loop.near or of.loop.front)
+    total = role("out", of.loop.sensors).times(STAGES) + role("out", of.loop.bank.near or of.loop.bank.front)
     for block in of.observers:
         total += role("step", block) + role("out", block) + role("each", of.loop.score)
     return total + role("step", of.loop.truth) + role("out", of.loop.truth) if with_truth else total
