@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import casadi as ca
 
 from ..model.block import Block, BlockError, Symbols
-from ..model.curves import NGUYEN2019, CurveSet, per_muscle
+from ..model.curves import NGUYEN2019, Curves, tendon_parameters
 from ..model.symbols import hat
 from ..model.wiring import rename, wire
 from . import adaptive_sliding_mode, high_gain, sliding_mode
@@ -45,7 +45,7 @@ def label(name: str) -> str:
 _ACTIVATIONS = ("a1_hat", "a2_hat")
 
 
-def estimator(observer: Block, curves: CurveSet = NGUYEN2019) -> Block:
+def estimator(observer: Block, curves: Curves = NGUYEN2019) -> Block:
     """`observer` with the activation block behind it (unless it estimates the activations itself).
 
     Refuses a Block without the observer's ports (BlockError).
@@ -72,7 +72,7 @@ def estimator(observer: Block, curves: CurveSet = NGUYEN2019) -> Block:
     every = [*wired.x, *wired.y, *wired.p, *wired.guards, *wired.domain]
     whole = rename(wired, observer.name, {key: key.partition(".")[2] for key in every}, [*ESTIMATES, *_ACTIVATIONS])
     # its own numbers of the tendons that tell it L_S1 and L_S2
-    parameters = {**whole.parameters, **per_muscle(curves.tendon)}
+    parameters = {**whole.parameters, **tendon_parameters(curves)}
     return replace(
         whole, parameters=parameters, p=Symbols({name: whole.p.get(name, ca.SX.sym(name)) for name in parameters})
     )
@@ -93,7 +93,7 @@ def _refuse_clashes(observer: Block, part: Block) -> None:
         )
 
 
-def baseline_estimator(curves: CurveSet = NGUYEN2019) -> Block:
+def baseline_estimator(curves: Curves = NGUYEN2019) -> Block:
     """The trivial baseline, wired like an observer."""
     return estimator(baseline(), curves)
 
