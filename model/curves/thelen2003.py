@@ -7,10 +7,11 @@ Biomechanical Engineering 125, 2003; numbers, and straight lines where the hyper
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import casadi as ca
 
-from ..block import Symbols
+from ..block import Parameter, Parameters, Symbols
 from ..dialect import clamp
 from .curve_set import CurveSet
 from .normalised import fibre_numbers, normalised, tendon_numbers
@@ -19,23 +20,42 @@ _SOURCE = "OpenSim 4.6, Thelen2003Muscle"
 
 # tendon: force at the end of the toe, shape of the toe
 _F_TOE, _K_TOE = 0.33, 3.0
-# shape of the passive force, and of the force-length factor
-_K_PE, _GAMMA = 4.0, 0.45
-# force-velocity: Hill's constant, largest factor, the part of it at which the straight line begins
-_A_F, _F_LEN, _THRESHOLD = 0.25, 1.4, 0.95
+# the part of the largest force factor at which the straight line begins
+_THRESHOLD = 0.95
 # velocity of a muscle of activation 0, in that of a fully active one
 _S_0 = 0.25
-
-# lengthening: v = (z − 1)E/(K(F_len − z))
-_E, _K = _F_LEN - 1, 2 + 2 / _A_F
-# z, v and dz/dv where the straight line begins
-_Z_T = _THRESHOLD * _F_LEN
-_V_T = (_Z_T - 1) * _E / (_K * (_F_LEN - _Z_T))
-_SLOPE_T = _K * _E**2 / (_K * _V_T + _E) ** 2
-# dz/dv at the largest shortening velocity
-_SLOPE_0 = 1 / (1 + 1 / _A_F)
 # keeps 0/0 out of the root for a fibre without force at its largest velocity
 _TINY = 1e-300
+
+_FIBRE: Parameters = {
+    **fibre_numbers(0.6, _SOURCE),
+    "k_PE": Parameter(5.0, "shape of the passive force", _SOURCE, above=0),
+    "gamma": Parameter(0.45, "width of the force-length factor", _SOURCE, above=0),
+    "A_f": Parameter(0.25, "Hill's constant", _SOURCE, above=0),
+    "F_len": Parameter(1.4, "largest force factor while lengthening", _SOURCE, above=1),
+}
+
+
+@dataclass(frozen=True)
+class _Lengthening:
+    """The hyperbola v = (z − 1)E/(K(F_len − z)) and where it becomes straight."""
+
+    E: ca.SX
+    K: ca.SX
+    z: ca.SX  # force factor
+    v: ca.SX  # velocity
+    slope: ca.SX  # dz/dv
+
+
+def _lengthening(p: Symbols) -> _Lengthening:
+    E, K, z = p.F_len - 1, 2 + 2 / p.A_f, _THRESHOLD * p.F_len
+    v = (z - 1) * E / (K * (p.F_len - z))
+    return _Lengthening(E, K, z, v, slope=K * E**2 / (K * v + E) ** 2)
+
+
+def _least_slope(p: Symbols) -> ca.SX:
+    """dz/dv at the largest shortening velocity."""
+    return 1 / (1 + 1 / p.A_f)
 
 
 def _toe(p: Symbols) -> tuple[ca.SX, ca.SX]:
@@ -62,32 +82,34 @@ def _fT_inv(force: ca.SX, p: Symbols) -> ca.SX:
 
 def _fP(length: ca.SX, p: Symbols) -> ca.SX:
     # fP = (exp(kPE(l − 1)/ε₀) − 1)/(exp(kPE) − 1), 0 below the optimal length
-    return ca.expm1(_K_PE * ca.fmax(length - 1, 0) / p.passive_strain) / math.expm1(_K_PE)
+    return ca.expm1(p.k_PE * ca.fmax(length - 1, 0) / p.passive_strain) / ca.expm1(p.k_PE)
 
 
 def _fL(length: ca.SX, p: Symbols) -> ca.SX:
     # fL = exp(−(l − 1)²/γ)
-    return ca.exp(-((length - 1) ** 2) / _GAMMA)
+    return ca.exp(-((length - 1) ** 2) / p.gamma)
 
 
 def _fV(v: ca.SX, p: Symbols) -> ca.SX:
     """The force factor of a fully active muscle; S(a) scales the velocity of others."""
-    short, long = clamp(v, -1, 0), clamp(v, 0, _V_T)
+    end = _lengthening(p)
+    short, long = clamp(v, -1, 0), clamp(v, 0, end.v)
     # v ≤ 0: (1 + v)/(1 − v/A_f);  v > 0: (K F_len v + E)/(K v + E); the other factor is 1, and the lines are 0
-    hyperbolas = (1 + short) / (1 - short / _A_F) * (_K * _F_LEN * long + _E) / (_K * long + _E)
-    return hyperbolas + _SLOPE_0 * ca.fmin(v + 1, 0) + _SLOPE_T * ca.fmax(v - _V_T, 0)
+    hyperbolas = (1 + short) / (1 - short / p.A_f) * (end.K * p.F_len * long + end.E) / (end.K * long + end.E)
+    return hyperbolas + _least_slope(p) * ca.fmin(v + 1, 0) + end.slope * ca.fmax(v - end.v, 0)
 
 
 def _fV_inv(factor: ca.SX, beta: ca.SX | float, p: Symbols) -> ca.SX:
-    # force factors at v = −1 and at v_t, drag included
-    lowest, highest = ca.SX(-beta), ca.SX(_Z_T + beta * _V_T)
+    end = _lengthening(p)
+    # force factors at v = −1 and at the end of the hyperbola, drag included
+    lowest, highest = ca.SX(-beta), end.z + beta * end.v
     short, long = clamp(factor, lowest, 1), clamp(factor, 1, highest)
-    # fV(v) + βv = z: (β/A_f)v² − (1 + β + z/A_f)v + z − 1 = 0 for v = −w ≤ 0
-    w = _positive_root(beta / _A_F, 1 + beta + short / _A_F, 1 - short)
-    # βK v² + (K(F_len − z) + βE)v − E(z − 1) = 0 for v ≥ 0
-    v = _positive_root(beta * _K, _K * (_F_LEN - long) + beta * _E, _E * (long - 1))
-    beyond = ca.fmin(factor - lowest, 0) / (_SLOPE_0 + beta), ca.fmax(factor - highest, 0) / (_SLOPE_T + beta)
-    return v - w + beyond[0] + beyond[1]
+    # fV(v) + βv = z: (β/A_f)w² + (1 + β + z/A_f)w = 1 − z for w = −v ≥ 0
+    w = _positive_root(beta / p.A_f, 1 + beta + short / p.A_f, 1 - short)
+    # βK v² + (K(F_len − z) + βE)v = E(z − 1) for v ≥ 0
+    v = _positive_root(beta * end.K, end.K * (p.F_len - long) + beta * end.E, end.E * (long - 1))
+    lines = ca.fmin(factor - lowest, 0) / (_least_slope(p) + beta), ca.fmax(factor - highest, 0) / (end.slope + beta)
+    return v - w + lines[0] + lines[1]
 
 
 def _positive_root(second: ca.SX | float, first: ca.SX, constant: ca.SX) -> ca.SX:
@@ -96,8 +118,8 @@ def _positive_root(second: ca.SX | float, first: ca.SX, constant: ca.SX) -> ca.S
 
 
 def _root(second: ca.SX, first: ca.SX, constant: ca.SX) -> ca.SX:
-    """The positive root x of second x² + first x = constant, `second` > 0; for a constant below 0 a negative number."""
-    root = ca.sqrt(ca.fmax(first**2 + 4 * second * constant, 0))
+    """The larger root x of second x² + first x = constant; second > 0, constant ≥ 0."""
+    root = ca.sqrt(first**2 + 4 * second * constant)
     # without a difference of equal numbers, whatever the sign of `first`
     total = ca.fabs(first) + root + _TINY
     return (first >= 0) * 2 * constant / total + (first < 0) * total / (2 * second)
@@ -110,20 +132,20 @@ class _Thelen(CurveSet):
         return _S_0 + (1 - _S_0) * a
 
     def activation_of(self, active: ca.SX, f: ca.SX, u: ca.SX, p: Symbols) -> ca.SX:
-        # of v/S = −u/(speed S) the hyperbolas are fractions, so F = a f fV(v/S) times S is quadratic in a
+        end, rest = _lengthening(p), 1 - _S_0
+        # no activation gives a force below 0: from there on as if it were isometric, so that a limit shows
+        below, active = ca.fmin(active, 0) / f, ca.fmax(active, 0)
         w, v = ca.fmax(u / self.speed(p), 0), ca.fmax(-u / self.speed(p), 0)
-        rest = 1 - _S_0
+        # F = a f fV(v/S) with a hyperbola for fV, times S and the denominator, is quadratic in a:
         # (1 − S₀)f a² + (f(S₀ − w + K F_len v/E) − (1 − S₀)F)a = F(S₀ + w/A_f + K v/E)
-        curved = _root(
-            rest * f,
-            f * (_S_0 - w + _K * _F_LEN / _E * v) - rest * active,
-            active * (_S_0 + w / _A_F + _K / _E * v),
-        )
-        # on the straight line fV = κ + s v/S: (1 − S₀)κf a² + (f(S₀κ + s v) − (1 − S₀)F)a = S₀F
-        kappa = _Z_T - _SLOPE_T * _V_T
-        straight = _root(rest * kappa * f, f * (_S_0 * kappa + _SLOPE_T * v) - rest * active, _S_0 * active)
-        beyond = v > _V_T * self.slowing(curved, p)
-        return curved + beyond * (straight - curved)
+        ratio = end.K / end.E * v
+        linear = f * (_S_0 - w + p.F_len * ratio) - rest * active
+        curved = _root(rest * f, linear, active * (_S_0 + w / p.A_f + ratio))
+        # with the line fV = κ + s v/S: (1 − S₀)κf a² + (f(S₀κ + s v) − (1 − S₀)F)a = S₀F
+        kappa = end.z - end.slope * end.v
+        linear = f * (_S_0 * kappa + end.slope * v) - rest * active
+        straight = _root(rest * kappa * f, linear, _S_0 * active)
+        return below + curved + (v > end.v * self.slowing(curved, p)) * (straight - curved)
 
 
 THELEN2003 = normalised(
@@ -131,7 +153,7 @@ THELEN2003 = normalised(
     sentence="exponentials and Hill's hyperbolas; velocities scale with ¼ + ¾a; the tendon can be slack",
     source="Thelen, Journal of Biomechanical Engineering 2003; numbers and straight ends of OpenSim 4.6",
     tendon=tendon_numbers(0.04, _SOURCE),
-    fibre=fibre_numbers(0.6, _SOURCE),
+    fibre=_FIBRE,
     fT=_fT,
     fT_inv=_fT_inv,
     fP=_fP,
