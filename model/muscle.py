@@ -37,9 +37,8 @@ def activated_muscle(curves: CurveSet) -> Block:
     a = clamp(u.a, p.a_min, 1)
     L_C = u.L_m - x.L_S
     Phi_S = curves.Phi_S(x.L_S, p)
-    z = curves.force_factor(Phi_S, L_C, a, p)
-    drive = curves.velocity(Phi_S, L_C, a, p, p.z_max)
-    guards = Symbols(a_limit=outside(u.a, p.a_min, 1), z_limit=outside(z, 0, p.z_max))
+    drive, z_limit = curves.velocity(Phi_S, L_C, a, p, p.z_max)
+    guards = Symbols(a_limit=outside(u.a, p.a_min, 1), z_limit=z_limit)
     return _block(x, u, p, parameters, Phi_S, L_C, drive=drive, a=a, guards=guards)
 
 

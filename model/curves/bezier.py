@@ -51,7 +51,7 @@ class Bezier:
         sheared = [_sum(ys, xs, beta) for xs, ys in zip(self.x, self.y, strict=True)]
         before, after = self.before + beta, self.after + beta
         flat = isinstance(before, float) and before == 0
-        return _follow(y, sheared, self.x, 0.0 if flat else 1 / before, 1 / after)
+        return _follow(y, sheared, self.x, 0.0 if flat else 1 / ca.fmax(before, _TINY), 1 / ca.fmax(after, _TINY))
 
 
 def through(knots: Sequence[Knot], curviness: Sequence[float]) -> Bezier:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import casadi as ca
 
 from ..block import Parameter, Parameters, Symbols
-from ..dialect import clamp
+from ..dialect import clamp, outside
 from ..symbols import MUSCLES
 
 Curve = Callable[[ca.SX, Symbols], ca.SX]
@@ -61,21 +61,22 @@ class CurveSet:
         # a = (Φ_S − Φ_P)/(g(u) f)   [z]
         return active / (self.g(u, p) * f)
 
-    def force_factor(self, F: ca.SX, L_C: ca.SX, a: ca.SX, p: Symbols) -> ca.SX:
-        """z: the part of the isometric force that the fibre, moving as it does, has to carry."""
-        # z = (Φ_S − Φ_P)/(a f)   [z]
-        return (F - self.Phi_P(L_C, p)) / (a * ca.fmax(self.f(L_C, p), _FORCE_FLOOR))
+    def velocity(self, F: ca.SX, L_C: ca.SX, a: ca.SX, p: Symbols, z_max: ca.SX | float) -> tuple[ca.SX, ca.SX]:
+        """The shortening velocity u of a muscle of activation a, and 1 where a limit of its force factor is active.
 
-    def velocity(self, F: ca.SX, L_C: ca.SX, a: ca.SX, p: Symbols, z_max: ca.SX | float) -> ca.SX:
-        """The shortening velocity u of a muscle of activation a, its force factor limited to [0, z_max]."""
-        z = clamp(self.force_factor(F, L_C, a, p), 0, z_max)
+        The force factor is limited to z_max, and from below so that u does not exceed the largest velocity.
+        """
+        isometric = a * ca.fmax(self.f(L_C, p), _FORCE_FLOOR)
+        # z = (Φ_S − Φ_P)/(a f)   [z]
+        z = (F - self.Phi_P(L_C, p)) / isometric
         slowing = self.slowing(a, p)
         if self.damping is None or self.g_inv_damped is None:
             # u = g⁻¹(z)   [gj]
-            return slowing * self.g_inv(z, p)
-        # a f g(u/S) − b u = Φ_S − Φ_P, over a f
-        drag = slowing * self.damping(p) / (a * ca.fmax(self.f(L_C, p), _FORCE_FLOOR))
-        return slowing * self.g_inv_damped(z, drag, p)
+            return slowing * self.g_inv(clamp(z, 0, z_max), p), outside(z, 0, z_max)
+        # a f g(u/S) − b u = Φ_S − Φ_P, over a f; g = 0 at the largest velocity
+        drag = slowing * self.damping(p) / isometric
+        low = -drag * self.speed(p)
+        return slowing * self.g_inv_damped(clamp(z, low, z_max), drag, p), outside(z, low, z_max)
 
     def slowing(self, a: ca.SX, p: Symbols) -> ca.SX | float:
         """S(a): the part of its largest velocity that a muscle of activation a reaches, u = S(a) g⁻¹(z)."""

@@ -22,8 +22,8 @@ _PASSIVE_STIFFNESS, _FOOT, _PASSIVE = 2.0, 0.2, 0.75
 _SHORTEST, _LONGEST, _TRANSITION, _SHALLOW, _LEAST, _ACTIVE = 0.4441, 1.8123, 0.73, 0.8616, 0.1, 1.0
 # half the width of the plateau; how much steeper than its chord the ascending limb is
 _PLATEAU, _STEEPER = 0.05, 1.25
-# force-velocity factor: slope at −1, near it, at 0, near 1, at 1; largest factor; how near; curviness of both sides
-_SLOPES, _LARGEST, _NEAR, _CONCENTRIC, _ECCENTRIC = (0.125, 0.25, 5.0, 0.15, 0.075), 1.4, 0.9, 0.6, 0.9
+# force-velocity factor: slopes near −1, at 0, near 1; at −1 and 1; largest factor; how near; curviness of both sides
+_SLOPES, _END_SLOPES, _LARGEST, _NEAR, _CONCENTRIC, _ECCENTRIC = (0.25, 5.0, 0.15), (0.125, 0.075), 1.4, 0.9, 0.6, 0.9
 
 
 def _tendon(p: Symbols) -> Bezier:
@@ -46,19 +46,26 @@ def _passive(p: Symbols) -> Bezier:
     return through([Knot(1.0, 0.0, 0.0), low, Knot(1 + p.passive_strain, 1.0, slope)], [_PASSIVE] * 2)
 
 
-def _active() -> Bezier:
+def _elastic(p: Symbols) -> ca.SX:
+    """1 without fibre damping. With it OpenSim takes the least factor and the slopes at both ends as 0."""
+    return p.damping <= 0
+
+
+def _active(p: Symbols) -> Bezier:
     shoulder = 1 - _PLATEAU
     end = 1 - _SHALLOW * (shoulder - _TRANSITION)
     ascending = Knot((_SHORTEST + _TRANSITION) / 2, end / 2, _STEEPER * end / (_TRANSITION - _SHORTEST))
     shallow = Knot((_TRANSITION + shoulder) / 2, (end + 1) / 2, _SHALLOW)
     steepest = -1 / (_LONGEST - _PLATEAU - (1 + _PLATEAU))
     descending = Knot((1 + _PLATEAU + _LONGEST) / 2, 0.5, steepest)
-    first, last = Knot(_SHORTEST, _LEAST, 0.0), Knot(_LONGEST, _LEAST, 0.0)
+    least = _LEAST * _elastic(p)
+    first, last = Knot(_SHORTEST, least, 0.0), Knot(_LONGEST, least, 0.0)
     return through([first, ascending, shallow, Knot(1.0, 1.0, 0.0), descending, last], [_ACTIVE] * 5)
 
 
-def _velocity() -> Bezier:
-    fastest, near, isometric, far, longest = _SLOPES
+def _velocity(p: Symbols) -> Bezier:
+    near, isometric, far = _SLOPES
+    fastest, longest = (slope * _elastic(p) for slope in _END_SLOPES)
     rest = 1 - _NEAR
     knots = [
         Knot(-1.0, 0.0, fastest),
@@ -70,8 +77,6 @@ def _velocity() -> Bezier:
     return through(knots, [_CONCENTRIC, _CONCENTRIC, _ECCENTRIC, _ECCENTRIC])
 
 
-_ACTIVE_CURVE, _VELOCITY_CURVE = _active(), _velocity()
-
 MILLARD2012 = normalised(
     name="millard2012",
     sentence="quintic Bézier curves, C²; the tendon can be slack, passive force from the optimal length on",
@@ -81,8 +86,8 @@ MILLARD2012 = normalised(
     fT=lambda length, p: _tendon(p)(length),
     fT_inv=lambda force, p: _tendon(p).inverse(force),
     fP=lambda length, p: _passive(p)(length),
-    fL=lambda length, p: _ACTIVE_CURVE(length),
-    fV=lambda v, p: _VELOCITY_CURVE(v),
-    fV_inv=lambda factor, beta, p: _VELOCITY_CURVE.inverse(factor, beta),
+    fL=lambda length, p: _active(p)(length),
+    fV=lambda v, p: _velocity(p)(v),
+    fV_inv=lambda factor, beta, p: _velocity(p).inverse(factor, beta),
     toe_force=_F_TOE,
 )

@@ -32,7 +32,7 @@ _FIBRE: Parameters = {
     "k_PE": Parameter(5.0, "shape of the passive force", _SOURCE, above=0),
     "gamma": Parameter(0.45, "width of the force-length factor", _SOURCE, above=0),
     "A_f": Parameter(0.25, "Hill's constant", _SOURCE, above=0),
-    "F_len": Parameter(1.4, "largest force factor while lengthening", _SOURCE, above=1),
+    "F_len": Parameter(1.4, "largest force factor while lengthening", _SOURCE, above=1 / _THRESHOLD),
 }
 
 
