@@ -109,7 +109,9 @@ def test_curves_rise_and_fall_as_they_must(name: str, units: dict[str, float]) -
     assert (np.diff(at(name, "Phi_S", lengths, **units)) >= -1e-14).all()
     assert (np.diff(at(name, "Phi_S_inv", np.linspace(0, 3, 3001), **units)) > 0).all()
     assert (np.diff(at(name, "Phi_P", fibres, **units)) >= -1e-14).all()
-    assert (np.diff(at(name, "g", np.linspace(-3, 0.95, 3001), **units)) < 0).all()
+    fastest = 1.2 * 0.8 if units else 1.0  # l_opt·v_max; Millard's damped fibre has no slope beyond
+    assert (np.diff(at(name, "g", np.linspace(-0.98, 0.98, 3001) * fastest, **units)) < 0).all()
+    assert (np.diff(at(name, "g", np.linspace(-4, 0.95, 3001), **units)) <= 1e-14).all()
     assert (np.diff(at(name, "g_inv", np.linspace(0, 1.39, 3001), **{**units, "damping": 0.0})) < 0).all()
     velocities = at(name, "velocity", np.linspace(0.1, 3, 3001), 1.1, 0.4, **units)
     assert (np.diff(velocities) <= 1e-14).all()
@@ -120,7 +122,7 @@ JOINTS = [
     ("nguyen2019", "Phi_S", (2.0, 2.04), 2),
     ("nguyen2019", "Phi_P", (1.0,), 2),
     ("nguyen2019", "g", (0.0,), 1),
-    ("thelen2003", "Phi_S", (2 * 1.0243733955,), 1),
+    ("thelen2003", "Phi_S", (2 * (1 + 0.04 * 99 * np.exp(3) / (166 * np.exp(3) - 67)),), 1),
     ("thelen2003", "g", (0.0,), 0),
     ("thelen2003", "g", (1.0, -0.33 * 0.4 / (10 * 0.07)), 1),
     ("millard2012", "Phi_S", (2.0,), 2),
@@ -238,17 +240,19 @@ def test_any_muscle_is_as_in_OpenSim(name: str) -> None:
         if row["curves"] == name
     ]
     assert len(found) == 20
+    limited = 0
     for row in found:
         own = in_pair_units(name, row)
         F, L_S, L_C = row["force"] / UNIT_F, row["tendon_length"] / UNIT_L, row["fibre_length"] / UNIT_L
         u = -row["fibre_velocity"] / (UNIT_L * UNIT_V)
         assert at(name, "activation", F, L_C, u, **own)[0] == pytest.approx(row["activation"], abs=1e-9)
-        assert (
-            at(name, "velocity", F, L_C, row["activation"], **own)[0] == pytest.approx(u, abs=1e-9)
-            or at(name, "velocity", F, L_C, row["activation"], order=1, **own)[0] == 1
-        )
+        (moving,), (limit,) = (at(name, "velocity", F, L_C, row["activation"], order=k, **own) for k in (0, 1))
+        # the others lengthen faster than the limit of the force factor lets them
+        assert limit == 1 or moving == pytest.approx(u, abs=1e-9)
+        limited += limit
         assert at(name, "Phi_S", L_S, **own)[0] == pytest.approx(F, abs=1e-12)
         assert at(name, "Phi_S_inv", F, **own)[0] == pytest.approx(L_S, abs=1e-12)
+    assert limited <= 5
 
 
 RECORDINGS = [
@@ -389,9 +393,9 @@ def test_what_is_wrong_with_curves_is_said(changes: dict[str, str | float], mess
         prepare("activation", None, changes)
 
 
-@settings(max_examples=60)
+@settings(max_examples=25)
 @given(
-    slopes=st.tuples(st.floats(0.01, 0.4), st.floats(0.6, 0.95), st.floats(1.3, 4.0)),
+    slopes=st.tuples(st.floats(0.1, 0.4), st.floats(0.6, 0.95), st.floats(1.3, 4.0)),
     curviness=st.floats(0.0, 1.0),
     x=st.floats(-1.0, 4.0),
 )
