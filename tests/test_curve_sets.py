@@ -8,6 +8,7 @@ from pathlib import Path
 import casadi as ca
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -15,6 +16,8 @@ from hillobs.codegen.library import compile_functions
 from hillobs.model.block import symbols
 from hillobs.model.curves import CURVES, NGUYEN2019_PRINTED, SIMULATED
 from hillobs.model.curves.bezier import Knot, through
+from hillobs.studies.cli import commands
+from hillobs.studies.curve_figure import curve_figure
 from hillobs.studies.prepare import prepare
 from hillobs.studies.scenario import choices_in, curves_of
 from hillobs.studies.simulate import simulate
@@ -408,3 +411,16 @@ def test_a_bezier_curve_rises_and_its_inverse_finds_back(
     _, back, slope = (float(v) for v in f(x))
     assert back == pytest.approx(x, abs=1e-9)
     assert slope > 0
+
+
+def test_every_set_is_drawn_and_listed(tmp_path: Path) -> None:
+    ran = CliRunner().invoke(commands, ["curves", "--out", str(tmp_path)])
+    assert ran.exit_code == 0, ran.output
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["curves-sets.pdf", "curves-sets.png"]
+    figure = curve_figure()
+    for axes in figure.axes:
+        assert len(axes.lines) == len(SIMULATED)
+        assert all(np.isfinite(np.asarray(line.get_ydata(), dtype=float)).all() for line in axes.lines)
+    listed = CliRunner().invoke(commands, ["list", "curves"]).output
+    assert all(f"{name} " in listed for name in CURVES)
+    assert "tendon_strain 0.049" in listed
