@@ -10,7 +10,9 @@ from .dialect import clamp, outside
 
 ACTIVATION_LIMITS: Parameters = {
     "a_min": Parameter(0.01, "smallest activation that a muscle can be given", "chosen, spec §3", above=0, below=1),
-    "z_max": Parameter(1.45, "largest force factor z: g(−0.9), below the pole g_max", "chosen, spec §3", above=1),
+    "z_max": Parameter(
+        1.45, "largest force factor z: g(−0.9), below the pole g_max", "chosen, spec §3", above=1, most=100
+    ),
 }
 
 

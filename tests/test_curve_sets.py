@@ -43,7 +43,7 @@ def functions(name: str) -> dict[str, ca.Function]:
         slope = ca.jacobian(value, x)
         result[curve] = ca.Function(curve, [x, p.vector()], [value, slope, ca.jacobian(slope, x)])
     result["activation"] = ca.Function("activation", [F, L, w, p.vector()], [curves.activation(F, L, w, p)])
-    result["velocity"] = ca.Function("velocity", [F, L, w, p.vector()], [*curves.velocity(F, L, w, p, 1.35)])
+    result["velocity"] = ca.Function("velocity", [F, L, w, p.vector()], [*curves.velocity(F, L, w, p, ca.SX(1.35))])
     return result
 
 
@@ -332,7 +332,7 @@ def test_compiled_they_are_what_the_virtual_machine_computes() -> None:
         drawn = [rng.uniform(low, high, (64, 1)) for low, high in ((0.0, 1.5), (0.5, 1.6), (0.05, 0.9))]
         for what, result in (
             ("activation", [curves.activation(F, L, w, p)]),
-            ("velocity", curves.velocity(F, L, w, p, 1.35)[:1]),
+            ("velocity", curves.velocity(F, L, w, p, ca.SX(1.35))[:1]),
         ):
             f = ca.Function(f"{name}_{what}", [F, L, w, p.vector()], result)
             table[f.name()], arguments[f.name()] = f, (*drawn, values)

@@ -61,11 +61,8 @@ class CurveSet:
         # a = (Φ_S − Φ_P)/(g(u) f)   [z]
         return active / (self.g(u, p) * f)
 
-    def velocity(self, F: ca.SX, L_C: ca.SX, a: ca.SX, p: Symbols, z_max: ca.SX | float) -> tuple[ca.SX, ca.SX]:
-        """The shortening velocity u of a muscle of activation a, and 1 where a limit of its force factor is active.
-
-        The force factor is limited to z_max, and from below so that u does not exceed the largest velocity.
-        """
+    def velocity(self, F: ca.SX, L_C: ca.SX, a: ca.SX, p: Symbols, z_max: ca.SX) -> tuple[ca.SX, ca.SX]:
+        """The shortening velocity u of a muscle of activation a, and 1 where g(u/S) is at a limit, 0 or z_max."""
         isometric = a * ca.fmax(self.f(L_C, p), _FORCE_FLOOR)
         # z = (Φ_S − Φ_P)/(a f)   [z]
         z = (F - self.Phi_P(L_C, p)) / isometric
@@ -73,10 +70,11 @@ class CurveSet:
         if self.damping is None or self.g_inv_damped is None:
             # u = g⁻¹(z)   [gj]
             return slowing * self.g_inv(clamp(z, 0, z_max), p), outside(z, 0, z_max)
-        # a f g(u/S) − b u = Φ_S − Φ_P, over a f; g = 0 at the largest velocity
+        # a f g(u/S) − b u = Φ_S − Φ_P, over a f
         drag = slowing * self.damping(p) / isometric
-        low = -drag * self.speed(p)
-        return slowing * self.g_inv_damped(clamp(z, low, z_max), drag, p), outside(z, low, z_max)
+        # g is 0 at the largest velocity
+        low, high = -drag * self.speed(p), z_max - drag * self.g_inv(z_max, p)
+        return slowing * self.g_inv_damped(clamp(z, low, high), drag, p), outside(z, low, high)
 
     def slowing(self, a: ca.SX, p: Symbols) -> ca.SX | float:
         """S(a): the part of its largest velocity that a muscle of activation a reaches, u = S(a) g⁻¹(z)."""
