@@ -5,7 +5,7 @@ from __future__ import annotations
 import casadi as ca
 
 from .block import Block, Parameter, Symbols, symbols
-from .curves import NGUYEN2019, CurveSet, per_muscle
+from .curves import NGUYEN2019, Curves, by_muscle, tendon_parameters
 from .dialect import clamp, outside
 from .skeleton import MASS
 from .symbols import MUSCLES
@@ -37,13 +37,14 @@ def riccati(p: Symbols) -> tuple[ca.SX, ca.SX]:
     return K, ca.vertcat(ca.horzcat(p11, p12), ca.horzcat(p12, p22))
 
 
-def backstepping(curves: CurveSet = NGUYEN2019) -> Block:
+def backstepping(curves: Curves = NGUYEN2019) -> Block:
     """Inputs: the true x1…x4, r, dr, ddr, dddr, Delta, dDelta; outputs u1, u2 and the error force zeta."""
     u = symbols("x1 x2 x3 x4 r dr ddr dddr Delta dDelta")
-    parameters = {**PARAMETERS, **per_muscle(curves.tendon)}
+    parameters = {**PARAMETERS, **tendon_parameters(curves)}
     p = symbols(parameters)
     m = p.m
-    Phi_S1, Phi_S2 = (curves.Phi_S(x, p.part(name)) for x, name in zip((u.x3, u.x4), MUSCLES, strict=True))
+    sets = by_muscle(curves)
+    Phi_S1, Phi_S2 = (sets[name].Phi_S(x, p.part(name)) for x, name in zip((u.x3, u.x4), MUSCLES, strict=True))
     slope1, slope2 = ca.jacobian(Phi_S1, u.x3), ca.jacobian(Phi_S2, u.x4)
 
     # step 1: the load.  e = (x₁ − r, x₂ − ṙ),  ė = A e + B ζ

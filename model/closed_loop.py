@@ -5,7 +5,7 @@ from __future__ import annotations
 from .activations import given_activations
 from .backstepping import backstepping
 from .block import Block
-from .curves import NGUYEN2019, CurveSet
+from .curves import NGUYEN2019, Curves
 from .pair import pair
 from .pulses import PULSES, pulses
 from .reference import reference
@@ -20,7 +20,7 @@ _PREFIXES = {"pulses": "", "activations": ""}
 _BARE = ("plant", "uncertainty", "reference")
 
 
-def closed_loop(drive: str = "virtual", curves: CurveSet = NGUYEN2019, controller: Block | None = None) -> Block:
+def closed_loop(drive: str = "virtual", curves: Curves = NGUYEN2019, controller: Block | None = None) -> Block:
     """The Block `truth` with the outputs x1…x4, Delta, u1, u2, a1, a2, taut1, taut2, Phi_S1, Phi_S2 (r, if followed).
 
     Inputs: t and the held gates of the pulses. With the drive `given` there is no controller.

@@ -8,19 +8,12 @@ from .block import Block, Parameter, Parameters, Symbols, symbols
 from .curves import CurveSet
 from .dialect import clamp, outside
 
-# keeps 0/0 out of the activation where the fibre is far from its optimal length
-_FORCE_FLOOR = 1e-12
-
 ACTIVATION_LIMITS: Parameters = {
     "a_min": Parameter(0.01, "smallest activation that a muscle can be given", "chosen, spec §3", above=0, below=1),
-    "z_max": Parameter(1.45, "largest force factor z: g(−0.9), below the pole g_max", "chosen, spec §3", above=1),
+    "z_max": Parameter(
+        1.45, "largest force factor z: g(−0.9), below the pole g_max", "chosen, spec §3", above=1, most=100
+    ),
 }
-
-
-def activation(Phi_S: ca.SX, L_C: ca.SX, u: ca.SX, curves: CurveSet, p: Symbols) -> ca.SX:
-    """The activation that gives the virtual input u at tendon force Phi_S and fibre length L_C."""
-    # a = (Φ_S − Φ_P)/(g(u) f)   [z]
-    return (Phi_S - curves.Phi_P(L_C, p)) / (curves.g(u, p) * ca.fmax(curves.f(L_C, p), _FORCE_FLOOR))
 
 
 def _muscle(curves: CurveSet, drive: Symbols, extra: Parameters) -> tuple[Symbols, Symbols, Symbols, Parameters]:
@@ -33,7 +26,7 @@ def virtual_muscle(curves: CurveSet) -> Block:
     x, u, p, parameters = _muscle(curves, symbols("u"), {})
     L_C = u.L_m - x.L_S
     Phi_S = curves.Phi_S(x.L_S, p)
-    a = activation(Phi_S, L_C, u.u, curves, p)
+    a = curves.activation(Phi_S, L_C, u.u, p)
     # L̇_S = L̇_m + u   [lsdot1], [lsdot2]
     return _block(
         x, u, p, parameters, Phi_S, L_C, drive=u.u, a=a, guards=Symbols(a_infeasible=(Phi_S > 0) * outside(a, 0, 1))
@@ -46,18 +39,15 @@ def activated_muscle(curves: CurveSet) -> Block:
     a = clamp(u.a, p.a_min, 1)
     L_C = u.L_m - x.L_S
     Phi_S = curves.Phi_S(x.L_S, p)
-    # z = (Φ_S − Φ_P)/(a f)   [z]
-    z = (Phi_S - curves.Phi_P(L_C, p)) / (a * ca.fmax(curves.f(L_C, p), _FORCE_FLOOR))
-    # u = g⁻¹(z)   [gj]
-    drive = curves.g_inv(clamp(z, 0, p.z_max), p)
-    guards = Symbols(a_limit=outside(u.a, p.a_min, 1), z_limit=outside(z, 0, p.z_max))
+    drive, z_limit = curves.velocity(Phi_S, L_C, a, p, p.z_max)
+    guards = Symbols(a_limit=outside(u.a, p.a_min, 1), z_limit=z_limit)
     return _block(x, u, p, parameters, Phi_S, L_C, drive=drive, a=a, guards=guards)
 
 
 def requested_activation(curves: CurveSet) -> Block:
     """The activation that the controller's request u asks for. Inputs Phi_S, L_C, u; output a, not yet limited."""
     u, p = symbols("Phi_S L_C u"), symbols(curves.parameters)
-    y = Symbols(a=activation(u.Phi_S, u.L_C, u.u, curves, p))
+    y = Symbols(a=curves.activation(u.Phi_S, u.L_C, u.u, p))
     return Block("request", u=u, p=p, parameters=curves.parameters, y=y)
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import casadi as ca
 
 from ..model.block import Block, BlockError, Symbols
-from ..model.curves import NGUYEN2019, CurveSet, per_muscle
+from ..model.curves import NGUYEN2019, Curves, tendon_parameters
 from ..model.symbols import hat
 from ..model.wiring import rename, wire
 from . import adaptive_sliding_mode, high_gain, sliding_mode
@@ -54,7 +54,7 @@ def label(name: str) -> str:
 _ACTIVATIONS = ("a1_hat", "a2_hat")
 
 
-def estimator(observer: Block, curves: CurveSet = NGUYEN2019, activations: bool = True) -> Block:
+def estimator(observer: Block, curves: Curves = NGUYEN2019, activations: bool = True) -> Block:
     """`observer` with the activation block behind it (unless it estimates the activations itself).
 
     Without `activations` nobody asks for them. Refuses a Block without the observer's ports (BlockError).
@@ -82,7 +82,7 @@ def estimator(observer: Block, curves: CurveSet = NGUYEN2019, activations: bool 
     outputs = [*ESTIMATES, *(_ACTIVATIONS if activations else ())]
     whole = rename(wired, observer.name, {key: key.partition(".")[2] for key in every}, outputs)
     # its own numbers of the tendons that tell it L_S1 and L_S2
-    parameters = {**whole.parameters, **per_muscle(curves.tendon)}
+    parameters = {**whole.parameters, **tendon_parameters(curves)}
     return replace(
         whole, parameters=parameters, p=Symbols({name: whole.p.get(name, ca.SX.sym(name)) for name in parameters})
     )
@@ -103,7 +103,7 @@ def _refuse_clashes(observer: Block, part: Block) -> None:
         )
 
 
-def baseline_estimator(curves: CurveSet = NGUYEN2019, activations: bool = True) -> Block:
+def baseline_estimator(curves: Curves = NGUYEN2019, activations: bool = True) -> Block:
     """The trivial baseline, wired like an observer."""
     return estimator(baseline(), curves, activations)
 

@@ -160,6 +160,18 @@ def figures(result: Path, out: Path | None) -> None:
 
 
 @commands.command()
+@click.option("--out", type=click.Path(path_type=Path), default=Path("results"), help="Where the figure is written.")
+def curves(out: Path) -> None:
+    """Draw the muscle's curves of every publication side by side; `list curves` describes them."""
+    with user_errors():
+        from .curve_figure import curve_figure
+        from .figures import write_figures
+        from .files import writable_folder
+
+        click.echo(_written(write_figures({"sets": curve_figure()}, writable_folder(out), "curves")))
+
+
+@commands.command()
 @click.argument("scenario", default="paper-clean")
 @click.option("--at", "place", metavar="x1=..,x3=..", help="The point; what is not given is the scenario's at τ = 0.")
 @click.option("--outputs", default="x1,F1,F2", show_default=True, help="Sensors: x1, x2, F1, F2, L_C1, L_C2.")

@@ -17,7 +17,7 @@ from ..codegen.library import Array
 from ..codegen.loop import Loop
 from ..codegen.memory import Grid
 from ..model.block import Symbols
-from ..model.curves import NGUYEN2019, NGUYEN2019_PRINTED, TENDON
+from ..model.curves import NGUYEN2019, NGUYEN2019_PRINTED
 from ..model.symbols import hat
 from .loops import compile_loop, paper_loop
 from .measures import measures
@@ -219,7 +219,7 @@ def _run(changes: Mapping[str, Value], observers: Sequence[str], progress: Progr
 
 def joints() -> list[Joint]:
     """Φ_S, Φ′_S and Φ″_S at both ends of the toe."""
-    start, toe, F, k = (Fraction(str(TENDON[name].default)) for name in ("L_slack", "toe", "F_toe", "k"))
+    start, toe, F, k = (Fraction(str(NGUYEN2019.tendon[name].default)) for name in ("L_slack", "toe", "F_toe", "k"))
     flat = Fraction(0)
     meant = {start: (flat, flat, flat), start + toe: (F, k, flat)}
     rounding = [_rounding(order, float(start), float(start + toe)) for order in range(3)]

@@ -8,7 +8,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
-import casadi as ca
 import matplotlib
 import numpy as np
 import xarray as xr
@@ -21,12 +20,12 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import ArrayLike, NDArray
 
 from ..codegen.library import Array
-from ..model.block import Symbols
-from ..model.curves import CURVES, CurveSet
 from ..model.symbols import MUSCLES, SIGNALS, STATES, hat
 from ..observers import label
 from . import style
 from .files import write_whole
+from .scenario import curves_of
+from .tendon import Tendon, tendon
 from .views import Flags, limits, series, slack, start
 
 INPUTS = ("Delta", "u1", "u2")
@@ -70,15 +69,15 @@ def write_figures(drawn: Mapping[str, Figure], folder: str | Path, stem: str) ->
 
 def phi_s(dataset: xr.Dataset) -> Figure:
     """Φ_S over the tendon length, its regions marked; a panel per muscle if their tendons differ."""
-    curves = CURVES[json.loads(dataset.attrs["choices"])["muscle.curves"]]
+    curves = curves_of(json.loads(dataset.attrs["choices"]))
     parameters = json.loads(dataset.attrs["parameters"])
-    tendons = {muscle: {key: float(parameters[f"{muscle}.{key}"]) for key in curves.tendon} for muscle in MUSCLES}
+    tendons = {muscle: tendon(curves, muscle, parameters) for muscle in MUSCLES}
     if tendons[MUSCLES[0]] == tendons[MUSCLES[1]]:
         tendons = {"": tendons[MUSCLES[0]]}
     figure = Figure(figsize=(style.COLUMN * len(tendons), 2.5), layout="constrained")
     panels = figure.subplots(1, len(tendons), squeeze=False).flat
-    for axes, (muscle, tendon) in zip(panels, tendons.items(), strict=True):
-        _tendon_curve(axes, curves, tendon, muscle[-1:] or "j")
+    for axes, (muscle, own) in zip(panels, tendons.items(), strict=True):
+        _tendon_curve(axes, own, muscle[-1:] or "j")
     return figure
 
 
@@ -188,14 +187,12 @@ def _time(dataset: xr.Dataset) -> Array:
     return np.asarray(dataset["time"])
 
 
-def _tendon_curve(axes: Axes, curves: CurveSet, tendon: dict[str, float], j: str) -> None:
+def _tendon_curve(axes: Axes, tendon: Tendon, j: str) -> None:
     """Φ_S of one tendon between half a toe below slack and as far into the linear region."""
-    begin, end = tendon["L_slack"], tendon["L_slack"] + tendon["toe"]
-    edges = (begin - tendon["toe"] / 2, begin, end, end + tendon["toe"] / 2)
-    symbol = ca.SX.sym("L")
-    curve = ca.Function("Phi_S", [symbol], [curves.Phi_S(symbol, Symbols({k: ca.SX(v) for k, v in tendon.items()}))])
+    begin, end = tendon.edges
+    edges = (begin - (end - begin) / 2, begin, end, end + (end - begin) / 2)
     lengths = np.linspace(edges[0], edges[-1], 801)
-    axes.plot(lengths, np.asarray(curve(lengths)).ravel(), color="black", linewidth=1.2)
+    axes.plot(lengths, tendon.force(lengths), color="black", linewidth=1.2)
     regions = (("slack", "0.88"), ("toe", "0.94"), ("linear", "1"))
     for (name, shade), low, high in zip(regions, edges[:-1], edges[1:], strict=True):
         axes.axvspan(low, high, facecolor=shade, zorder=0)

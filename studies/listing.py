@@ -59,7 +59,8 @@ def _first_line(module: str) -> str:
 
 def _curves() -> Iterator[str]:
     for name, curves in CURVES.items():
-        yield f"{name:18} {curves.sentence} ({curves.source})"
+        yield f"{name:20} {curves.sentence} ({curves.source})"
+        yield f"{'':20} {', '.join(f'{key} {number.default:g}' for key, number in curves.parameters.items())}"
 
 
 def _parameters() -> Iterator[str]:
@@ -69,6 +70,7 @@ def _parameters() -> Iterator[str]:
         yield f"{path:44} {valid[0]:>10}  one of {', '.join(valid)}"
     own = {path: parameter for path, parameter in every.paths.items() if parameter.shared in ("", path)}
     yield from (f"{path:44} {p.default:>10.6g}  {describe(p)}" for path, p in own.items())
+    yield "Other curves have other numbers in the place of the paper's: `hillobs list curves`."
     yield "`muscle.k` sets muscle1.k and muscle2.k; likewise all of muscle, and pulse. In one file or on one command"
     yield "line muscle1.k wins over muscle.k, whatever their order; a command line wins over a file."
     yield "An observer or the controller may have its own m, C, muscle.…, initial.…: high_gain.m, controller.muscle1.k."

@@ -11,7 +11,7 @@ from ..codegen.stepper import STAGES
 from ..codegen.toolchain import NATIVE
 from ..model.block import Block
 from ..model.closed_loop import closed_loop
-from ..model.curves import NGUYEN2019, CurveSet
+from ..model.curves import NGUYEN2019, Curves
 from ..model.pair import DRIVES
 from ..model.pulses import PULSES
 from ..model.sensors import NOISE_CHANNELS, sensors
@@ -25,7 +25,7 @@ from .table import Table, table
 @functools.lru_cache(maxsize=16)
 def paper_loop(
     drive: str,
-    curves: CurveSet,
+    curves: Curves,
     custom: tuple[Block, ...] = (),
     controller: Block | None = None,
     quantities: tuple[str, ...] = QUANTITIES,
@@ -51,8 +51,8 @@ def compile_loop(loop: Loop, baseline: str = NATIVE) -> CompiledLoop:
     return CompiledLoop(loop, baseline)
 
 
-@functools.lru_cache(maxsize=4)
-def full_table(custom: tuple[Block, ...] = (), curves: CurveSet = NGUYEN2019) -> Table:
+@functools.lru_cache(maxsize=16)
+def full_table(custom: tuple[Block, ...] = (), curves: Curves = NGUYEN2019) -> Table:
     """The table of all paths, whatever drives the plant."""
     loops = [paper_loop(drive, curves, custom) for drive in DRIVES]
     return table([*(loop.truth for loop in loops), loops[0].sensors, *loops[0].observers, loops[0].score])

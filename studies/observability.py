@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from ..codegen.library import Array, Library, compile_functions
 from ..codegen.stepper import functions
-from ..model.block import Block, Symbols
-from ..model.curves import CURVES, NGUYEN2019, CurveSet
+from ..model.block import Block
+from ..model.curves import Curves
 from ..model.pair import pair
 from ..model.pulses import PULSES
 from ..model.symbols import MUSCLES, SIGNALS
@@ -35,6 +35,7 @@ from .prepare import Prepared, prepare
 from .quote import shown
 from .scenario import Value
 from .table import ScenarioError
+from .tendon import Tendon, tendon
 
 
 @dataclass(frozen=True)
@@ -79,11 +80,16 @@ class Question:
     structural_rank: int
     p: tuple[float, ...]
     period: float
+    curves: Curves
 
     @property
     def coordinates(self) -> list[str]:
         """What is to be known: the states, then the unknowns."""
         return list(self.block.x)
+
+    def tendon(self, muscle: str) -> Tendon:
+        """The tendon of a muscle."""
+        return tendon(self.curves, muscle, dict(zip(self.block.p, self.p, strict=True)))
 
     @property
     def sizes(self) -> dict[str, float]:
@@ -142,10 +148,9 @@ def ask(
             raise ScenarioError(f"unknown sensor {shown(name)}; there are {', '.join(SENSORS)}")
     if unknown not in UNKNOWNS:
         raise ScenarioError(f"unknown inputs {shown(unknown)}; there are {', '.join(UNKNOWNS)}")
-    curves = CURVES[prepared.scenario.choices.get("muscle.curves", NGUYEN2019.name)]
     if not 0 <= derivatives <= _HIGHEST:
         raise ScenarioError(f"the derivatives of the unknowns must be from 0 to {_HIGHEST}, not {derivatives}")
-    block = _plant(unknown, curves, derivatives)
+    block = _plant(unknown, prepared.scenario.curves, derivatives)
     order = min(len(block.x) - 1, _HIGHEST) if order is None else order
     if not 0 <= order <= _HIGHEST:
         raise ScenarioError(f"the order of the Lie derivatives must be from 0 to {_HIGHEST}, not {order}")
@@ -153,7 +158,15 @@ def ask(
     matrix, rank = _matrix(block, outputs, order)
     period = prepared.value("noise.period") or _PERIOD
     return Question(
-        block, tuple(dict.fromkeys(sensors)), unknown, order, matrix, rank, _numbers(block, prepared), period
+        block,
+        tuple(dict.fromkeys(sensors)),
+        unknown,
+        order,
+        matrix,
+        rank,
+        _numbers(block, prepared),
+        period,
+        prepared.scenario.curves,
     )
 
 
@@ -164,7 +177,7 @@ _PERIOD = 0.005
 
 
 @functools.cache
-def _plant(unknown: str, curves: CurveSet, derivatives: int) -> Block:
+def _plant(unknown: str, curves: Curves, derivatives: int) -> Block:
     return augmented(pair("given" if unknown == "a" else "virtual", curves), UNKNOWNS[unknown], derivatives)
 
 
@@ -276,20 +289,16 @@ def determinant(question: Question, points: Mapping[str, Array]) -> Array:
 
 def force_and_slope(question: Question, muscle: str, lengths: Array) -> tuple[Array, Array]:
     """Φ_S and Φ′_S of a muscle's tendon at the lengths given."""
-    p = dict(zip(question.block.p, question.p, strict=True))
-    L, tendon = ca.SX.sym("L"), Symbols({key: ca.SX(p[f"{muscle}.{key}"]) for key in NGUYEN2019.tendon})
-    curve = ca.Function("curve", [L], [NGUYEN2019.Phi_S(L, tendon), NGUYEN2019.Phi_S_prime(L, tendon)])
-    force, slope = curve(ca.DM(lengths).T)
-    return np.array(force, dtype=float).ravel(), np.array(slope, dtype=float).ravel()
+    own = question.tendon(muscle)
+    return own.force(lengths), own.slope(lengths)
 
 
 def regions(question: Question, point: Mapping[str, float]) -> dict[str, str]:
     """Where each tendon is on its curve, and whether each fibre shortens."""
-    p = dict(zip(question.block.p, question.p, strict=True))
     outputs = _outputs(question, point)
     result = {}
     for j, muscle in enumerate(MUSCLES, start=1):
-        L, slack, end = point[f"x{j + 2}"], p[f"{muscle}.L_slack"], p[f"{muscle}.L_slack"] + p[f"{muscle}.toe"]
+        L, (slack, end) = point[f"x{j + 2}"], question.tendon(muscle).edges
         result[f"tendon {j}"] = "slack" if L <= slack else "toe" if L < end else "linear"
         u = outputs[f"u{j}"]
         result[f"fibre {j}"] = "shortening" if u > 0 else "lengthening" if u < 0 else "isometric"

@@ -12,8 +12,6 @@ import numpy as np
 import xarray as xr
 
 from ..codegen.library import Array
-from ..model.block import Symbols
-from ..model.curves import NGUYEN2019
 from ..model.symbols import MUSCLES, SIGNALS
 from ..observers.observability import TOLERANCE
 from .observability import Question, determinant, matrices, rank_and_conditioning
@@ -85,15 +83,14 @@ def axis_ranges(question: Question, axes: Sequence[str], point: Mapping[str, flo
 
 def tendon_edges(question: Question, muscle: str) -> tuple[float, float]:
     """Where the tendon of a muscle leaves slack, and where its toe ends."""
-    p = dict(zip(question.block.p, question.p, strict=True))
-    return p[f"{muscle}.L_slack"], p[f"{muscle}.L_slack"] + p[f"{muscle}.toe"]
+    return question.tendon(muscle).edges
 
 
 def _range(question: Question, axis: str, point: Mapping[str, float]) -> tuple[float, float]:
     p = dict(zip(question.block.p, question.p, strict=True))
     if axis == TENSION:
         # slack at first: no force belongs to a single length there
-        toe = min(p[f"{muscle}.F_toe"] for muscle in MUSCLES)
+        toe = min(question.tendon(muscle).toe_force for muscle in MUSCLES)
         return -0.1 * toe, 1.2 * toe
     if axis not in (*question.block.x, *question.block.u):
         valid = [*question.block.x, *question.block.u, TENSION]
@@ -117,15 +114,8 @@ def _placed(question: Question, axis: str, values: Array) -> dict[str, Array]:
     for j, muscle in enumerate(MUSCLES, start=3):
         slack, end = tendon_edges(question, muscle)
         # a force of 0 is any slack length; half a toe below the edge stands for it
-        lengths[f"x{j}"] = np.where(values > 0, _length(question, muscle, values), slack - (end - slack) / 2)
+        lengths[f"x{j}"] = np.where(values > 0, question.tendon(muscle).length(values), slack - (end - slack) / 2)
     return lengths
-
-
-def _length(question: Question, muscle: str, force: Array) -> Array:
-    p = dict(zip(question.block.p, question.p, strict=True))
-    tendon = Symbols({key: ca.SX(p[f"{muscle}.{key}"]) for key in NGUYEN2019.tendon})
-    y = ca.SX.sym("y")
-    return np.array(ca.Function("length", [y], [NGUYEN2019.Phi_S_inv(y, tendon)])(ca.DM(force).T), dtype=float).ravel()
 
 
 def _inside(question: Question, columns: Mapping[str, Array]) -> np.ndarray:

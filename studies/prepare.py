@@ -10,14 +10,13 @@ from pathlib import Path
 from ..codegen.loop import Loop
 from ..codegen.memory import Grid
 from ..model.block import Block
-from ..model.curves import CURVES, NGUYEN2019
 from ..model.pulses import PULSES
 from ..model.symbols import MUSCLES, QUANTITIES, hat
 from ..observers import OBSERVERS
 from ..observers.score import MEASURES
 from .loops import full_table, paper_loop
 from .quote import shown
-from .scenario import Scenario, Value, read, scenario, shipped
+from .scenario import Scenario, Value, choices_in, curves_of, read, scenario, shipped
 from .table import ScenarioError, Table
 
 BASELINE = "baseline"
@@ -73,14 +72,18 @@ def prepare(
     taken = {"truth", *(path.partition(".")[0] for path in (*full_table().paths, *full_table().groups()))}
     if clash := [block.name for block in custom if block.name in taken]:
         raise ScenarioError(f"the name {clash[0]!r} is taken; give your observer another one")
-    every = full_table(custom)
+    try:
+        choices_in(content, {})
+    except ScenarioError as error:
+        raise ScenarioError(f"{source}: {error}") from error
+    curves = curves_of(choices_in(content, changes))
+    every = full_table(custom, curves)
     if str(source) not in shipped():
         try:
             scenario(name, content, {}, every)
         except ScenarioError as error:
             raise ScenarioError(f"{source}: {error}") from error
     checked = scenario(name, content, changes, every)
-    curves = CURVES[checked.choices.get("muscle.curves", NGUYEN2019.name)]
     every.check(curves, checked.given)
     loop = paper_loop(checked.drive, curves, custom, None, quantities, measures)
     prepared = Prepared(checked, loop, every, time_grid(lambda path: every.value(path, checked.given)), chosen)
@@ -95,7 +98,7 @@ def _check_force_factors(prepared: Prepared) -> None:
         return
     z_max = prepared.value("plant.z_max")
     for path in (f"{muscle}.g_max" for muscle in MUSCLES):
-        if z_max >= prepared.value(path):
+        if path in prepared.loop.truth.p and z_max >= prepared.value(path):
             raise ScenarioError(
                 f"plant.z_max = {z_max:g} must be below {path} = {prepared.value(path):g}, the pole of g⁻¹"
             )

@@ -5,14 +5,15 @@ from __future__ import annotations
 import math
 import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from importlib import resources
 from numbers import Integral, Real
 from pathlib import Path
 
-from ..model.curves import NGUYEN2019
+from ..model.curves import CURVES, SIMULATED, Curves
 from ..model.pair import DRIVES
+from ..model.symbols import MUSCLES
 from .quote import short, shown
 from .reading import cause, read_whole
 from .table import ScenarioError, Table
@@ -33,8 +34,13 @@ _NO_TEXT = re.compile(r"[\0\ud800-\udfff]")
 Value = float | str | bool
 Numbers = Mapping[str, float]
 
-# the keys of a scenario that are no numbers, and what they may be
-CHOICES: Mapping[str, tuple[str, ...]] = {"plant.drive": tuple(DRIVES), "muscle.curves": (NGUYEN2019.name,)}
+# the keys of a scenario that are no numbers, and what they may be; the first is the default
+CHOICES: Mapping[str, tuple[str, ...]] = {
+    "plant.drive": tuple(DRIVES),
+    **{f"{muscle}.curves": SIMULATED for muscle in MUSCLES},
+}
+# several at once, before those of one muscle
+_GROUPED = {"muscle.curves": tuple(f"{muscle}.curves" for muscle in MUSCLES)}
 
 
 @dataclass(frozen=True)
@@ -51,6 +57,11 @@ class Scenario:
     def drive(self) -> str:
         """How the plant is driven."""
         return self.choices.get("plant.drive", "virtual")
+
+    @property
+    def curves(self) -> Curves:
+        """The curve sets of both muscles."""
+        return curves_of(self.choices)
 
 
 def shipped() -> dict[str, str]:
@@ -73,12 +84,27 @@ def read(source: str | Path) -> tuple[str, dict[str, object]]:
     return _text(f"{path}: its name", path.stem), content
 
 
+def curves_of(choices: Mapping[str, str]) -> Curves:
+    """The curve sets that the choices of a scenario or of a result name."""
+    first, second = (CURVES[choices.get(path, SIMULATED[0])] for path in _GROUPED["muscle.curves"])
+    return first if first is second else (first, second)
+
+
+def choices_in(content: Mapping[str, object], changes: Mapping[str, Value]) -> dict[str, str]:
+    """The choices of a TOML document with `changes` on top. ScenarioError names what is wrong with one."""
+    choices: dict[str, str] = {}
+    for layer in (_leaves(content, lambda path: True), changes):
+        for group, members in (*_GROUPED.items(), *((path, (path,)) for path in CHOICES)):
+            if group in layer:
+                choices |= dict.fromkeys(members, _choice(group, layer[group], CHOICES[members[0]]))
+    return choices
+
+
 def scenario(name: str, content: Mapping[str, object], changes: Mapping[str, Value], table: Table) -> Scenario:
     """The scenario of a TOML document with `changes` (path → value) on top. ScenarioError names the wrong leaf."""
     description, seed = "", 0
-    choices: dict[str, str] = {}
     given: dict[str, float] = {}
-    for layer in (_leaves(content, table), changes):
+    for layer in (_leaves(content, table.is_section), changes):
         numbers: dict[str, float] = {}
         for path, value in layer.items():
             if not isinstance(path, str):
@@ -87,14 +113,12 @@ def scenario(name: str, content: Mapping[str, object], changes: Mapping[str, Val
                 description = _text(path, value)
             elif path == "seed":
                 seed = _seed(value)
-            elif path in CHOICES:
-                choices[path] = _choice(path, value)
-            else:
+            elif not is_choice(path):
                 numbers[path] = checked_number(path, value, table)
         # a group such as `muscle.k` first, so that `muscle1.k` of the same layer wins
         for path in sorted(numbers, key=lambda path: -len(table.expand(path))):
             given |= dict.fromkeys(table.expand(path), numbers[path])
-    return Scenario(name, description, seed, choices, given)
+    return Scenario(name, description, seed, choices_in(content, changes), given)
 
 
 def parse_change(text: str) -> tuple[str, Value]:
@@ -102,7 +126,7 @@ def parse_change(text: str) -> tuple[str, Value]:
     path, equals, value = text.partition("=")
     if not equals or not path:
         raise ScenarioError(f"{shown(text)} is not PATH=VALUE, such as plant.m=1.2")
-    if path in CHOICES or path == "description":
+    if is_choice(path) or path == "description":
         return path, value
     number = parse_number(path, value)
     return path, number if path != "seed" else _whole(value)
@@ -135,7 +159,12 @@ def _parse(path: Path) -> dict[str, object]:
         raise ScenarioError(f"{path}: cannot be read: it holds a number of thousands of digits") from error
 
 
-def _leaves(content: Mapping[str, object], table: Table) -> dict[str, object]:
+def is_choice(path: str) -> bool:
+    """Whether the value of a path is one of some names, no number."""
+    return path in CHOICES or path in _GROUPED
+
+
+def _leaves(content: Mapping[str, object], is_section: Callable[[str], bool]) -> dict[str, object]:
     """Path → value of each leaf of nested tables; an empty table is a leaf unless paths lie below it."""
     leaves: dict[str, object] = {}
     stack = list(content.items())[::-1]
@@ -145,7 +174,7 @@ def _leaves(content: Mapping[str, object], table: Table) -> dict[str, object]:
             raise ScenarioError(f"{shown(path)} is nested too deeply; paths are such as high_gain.muscle1.k")
         if path in leaves:
             raise ScenarioError(f"{short(path)} is given twice")
-        if isinstance(value, dict) and (value or table.is_section(path)):
+        if isinstance(value, dict) and (value or is_section(path)):
             stack += [(f"{path}.{key}", inner) for key, inner in value.items()][::-1]
         else:
             leaves[path] = value
@@ -168,9 +197,9 @@ def checked_number(path: str, value: object, table: Table) -> float:
     return number
 
 
-def _choice(path: str, value: object) -> str:
-    if not isinstance(value, str) or value not in CHOICES[path]:
-        raise ScenarioError(f"{path} must be one of {', '.join(CHOICES[path])}, not {shown(value)}")
+def _choice(path: str, value: object, valid: tuple[str, ...]) -> str:
+    if not isinstance(value, str) or value not in valid:
+        raise ScenarioError(f"{path} must be one of {', '.join(valid)}, not {shown(value)}")
     return value
 
 

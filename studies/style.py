@@ -63,6 +63,11 @@ def observer_styles(names: Sequence[str]) -> dict[str, Style]:
     return {name: _OBSERVERS[known.index(name) % len(_OBSERVERS)] for name in names}
 
 
+def lines(names: Sequence[str]) -> dict[str, Style]:
+    """A line for each of several things that are no observers."""
+    return {name: _OBSERVERS[i % len(_OBSERVERS)] for i, name in enumerate(names)}
+
+
 def thinned(style: Style, travel: float) -> Style:
     """The line as it is drawn where it moves up and down by `travel` panel heights: noise is thin and lies below."""
     if travel <= _CALM:

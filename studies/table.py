@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from ..model.block import Block, Parameter
-from ..model.curves import CurveSet
+from ..model.curves import Curves, by_muscle
 from ..model.pulses import PULSES
 from ..model.symbols import MUSCLES
 from .quote import short, shown
@@ -88,12 +88,13 @@ class Table:
         """The numbers of `block`."""
         return [self.value(path, given) for path in block_paths(block)]
 
-    def check(self, curves: CurveSet, given: Mapping[str, float]) -> None:
+    def check(self, curves: Curves, given: Mapping[str, float]) -> None:
         """ScenarioError if the curves of any Block make no sense with these numbers."""
+        sets = by_muscle(curves)
         for block in self.blocks:
             for prefix in [path.removesuffix(".L_slack") for path in block_paths(block) if path.endswith(".L_slack")]:
-                numbers = {key: self.value(f"{prefix}.{key}", given) for key in curves.tendon}
-                if objection := curves.objection(numbers):
+                own = sets[prefix.rpartition(".")[2]]
+                if objection := own.objection({key: self.value(f"{prefix}.{key}", given) for key in own.tendon}):
                     raise ScenarioError(f"{prefix}: {objection}")
 
 

@@ -1,64 +1,20 @@
-"""A CurveSet is what a publication says about one muscle: Φ_S, Φ_S⁻¹, Φ_P, f, g, g⁻¹ and their numbers."""
+"""The curves of the paper, corrected, and with the toe as it is printed.
+
+Nguyen, Warner, La, Mohammadi, Simon and Richter, State Estimation For An Agonistic-Antagonistic Muscle System,
+Asian Journal of Control 2019, arXiv:1712.00522: [PhiSj], [PhiPj], [fj], [gj].
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import casadi as ca
 
-from .block import Parameter, Parameters, Symbols
-from .dialect import clamp
-from .symbols import MUSCLES
-
-Curve = Callable[[ca.SX, Symbols], ca.SX]
-# values at neighbouring arguments, and 1 where they may be wrong
-Neighbours = Callable[[Sequence[ca.SX], Symbols], tuple[list[ca.SX], ca.SX]]
-
-
-@dataclass(frozen=True, eq=False)  # one is itself: symbols have no equality
-class CurveSet:
-    """The characteristic curves of a muscle, each a function of (argument, parameters)."""
-
-    name: str
-    sentence: str
-    source: str
-    tendon: Parameters
-    fibre: Parameters
-    Phi_S: Curve  # tendon force over tendon length
-    Phi_S_inv: Curve  # tendon length over tendon force
-    Phi_P: Curve  # parallel elastic force over fibre length
-    f: Curve  # force-length factor over fibre length
-    g: Curve  # force factor over shortening velocity
-    g_inv: Curve  # shortening velocity over force factor
-    Phi_S_inv_near: Neighbours | None = None  # Φ_S⁻¹ of forces that are close together, for less
-
-    def objection(self, values: Mapping[str, float]) -> str:
-        """Why these numbers of a tendon make no curve that rises, or an empty string."""
-        slope, limit = values["k"] * values["toe"], _STEEPEST * values["F_toe"]
-        if slope < limit:
-            return ""
-        return (
-            f"k·toe = {slope:.6g} must be below 2.5 F_toe = {limit:.6g}, or the tendon force does not rise in the toe"
-        )
-
-    @property
-    def parameters(self) -> Parameters:
-        """All numbers of the curves: the tendon's, then the fibre's."""
-        return {**self.tendon, **self.fibre}
-
-    def Phi_S_prime(self, L: ca.SX, p: Symbols) -> ca.SX:
-        """Φ′_S, by CasADi."""
-        s = ca.SX.sym("L")
-        return ca.substitute(ca.jacobian(self.Phi_S(s, p), s), s, L)
-
-
-def per_muscle(parameters: Parameters) -> dict[str, Parameter]:
-    """`muscle1.…`, `muscle2.…` for each of `parameters`, shared by all Blocks that use the curves."""
-    names = [f"{muscle}.{key}" for muscle in MUSCLES for key in parameters]
-    return {name: replace(parameters[name.partition(".")[2]], shared=name) for name in names}
-
+from ..block import Parameter, Parameters, Symbols
+from ..dialect import clamp
+from .curve_set import CurveSet
 
 _PAPER = "paper, "
 
@@ -176,6 +132,13 @@ def _g(u: ca.SX, p: Symbols) -> ca.SX:
     return (1 - w) * (v * (A + 1) * g_max + A * (g_max - 1)) / ((1 + w / A) * (A * (g_max - 1) + v * (A + 1)))
 
 
+def _objection(values: Mapping[str, float]) -> str:
+    slope, limit = values["k"] * values["toe"], _STEEPEST * values["F_toe"]
+    if slope < limit:
+        return ""
+    return f"k·toe = {slope:.6g} must be below 2.5 F_toe = {limit:.6g}, or the tendon force does not rise in the toe"
+
+
 NGUYEN2019 = CurveSet(
     name="nguyen2019",
     sentence="the paper's curves; the toe is the C² quintic that its rounded decimals stand for",
@@ -188,7 +151,9 @@ NGUYEN2019 = CurveSet(
     f=_f,
     g=_g,
     g_inv=_g_inv,
+    toe_force=lambda p: p.F_toe,
     Phi_S_inv_near=_Phi_S_inv_near,
+    objection=_objection,
 )
 
 # the six decimals of [PhiSj] as printed, highest power first
@@ -211,5 +176,3 @@ NGUYEN2019_PRINTED = replace(
     source="Nguyen et al., arXiv:1712.00522, [PhiSj] as printed",
     Phi_S=_Phi_S_printed,
 )
-
-CURVES = {curves.name: curves for curves in (NGUYEN2019, NGUYEN2019_PRINTED)}

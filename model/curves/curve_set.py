@@ -1,0 +1,113 @@
+"""A CurveSet is what a publication says about one muscle: its curves, their numbers, and what follows from both."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import casadi as ca
+
+from ..block import Parameter, Parameters, Symbols
+from ..dialect import clamp, outside
+from ..symbols import MUSCLES
+
+Curve = Callable[[ca.SX, Symbols], ca.SX]
+# a number that follows from the parameters
+Number = Callable[[Symbols], ca.SX | float]
+# values at neighbouring arguments, and 1 where they may be wrong
+Neighbours = Callable[[Sequence[ca.SX], Symbols], tuple[list[ca.SX], ca.SX]]
+
+# keeps 0/0 out of the activation where the fibre is far from its optimal length
+_FORCE_FLOOR = 1e-12
+
+
+@dataclass(frozen=True, eq=False)  # one is itself: symbols have no equality
+class CurveSet:
+    """The characteristic curves of a muscle, each a function of (argument, parameters), in the units of the pair."""
+
+    name: str
+    sentence: str
+    source: str
+    tendon: Parameters
+    fibre: Parameters
+    Phi_S: Curve  # tendon force over tendon length
+    Phi_S_inv: Curve  # tendon length over tendon force
+    Phi_P: Curve  # parallel elastic force over fibre length
+    f: Curve  # isometric force at full activation over fibre length
+    g: Curve  # force factor over shortening velocity
+    g_inv: Curve  # shortening velocity over force factor
+    toe_force: Number  # tendon force from which on the tendon is straight, or looks so
+    Phi_S_inv_near: Neighbours | None = None  # Φ_S⁻¹ of forces that are close together, for less
+    speed: Number = lambda p: 1.0  # largest shortening velocity
+    damping: Number | None = None  # b of the force −b u that acts beside Φ_P
+    g_inv_damped: Callable[[ca.SX, ca.SX, Symbols], ca.SX] | None = None  # the u with g(u) − βu = z, over (z, β)
+    # why a tendon's numbers make no curve that rises, or an empty string
+    objection: Callable[[Mapping[str, float]], str] = lambda values: ""
+
+    @property
+    def parameters(self) -> Parameters:
+        """All numbers of the curves: the tendon's, then the fibre's."""
+        return {**self.tendon, **self.fibre}
+
+    def activation(self, F: ca.SX, L_C: ca.SX, u: ca.SX, p: Symbols) -> ca.SX:
+        """The activation of a muscle with tendon force F and fibre length L_C that shortens with velocity u."""
+        passive = self.Phi_P(L_C, p)
+        if self.damping is not None:
+            passive = passive - self.damping(p) * u
+        return self.activation_of(F - passive, ca.fmax(self.f(L_C, p), _FORCE_FLOOR), u, p)
+
+    def activation_of(self, active: ca.SX, f: ca.SX, u: ca.SX, p: Symbols) -> ca.SX:
+        """The activation that gives the force `active` at isometric force f and velocity u."""
+        # a = (Φ_S − Φ_P)/(g(u) f)   [z]
+        return active / (self.g(u, p) * f)
+
+    def velocity(self, F: ca.SX, L_C: ca.SX, a: ca.SX, p: Symbols, z_max: ca.SX) -> tuple[ca.SX, ca.SX]:
+        """The shortening velocity u of a muscle of activation a, and 1 where g(u/S) is at a limit, 0 or z_max."""
+        isometric = a * ca.fmax(self.f(L_C, p), _FORCE_FLOOR)
+        # z = (Φ_S − Φ_P)/(a f)   [z]
+        z = (F - self.Phi_P(L_C, p)) / isometric
+        slowing = self.slowing(a, p)
+        if self.damping is None or self.g_inv_damped is None:
+            # u = g⁻¹(z)   [gj]
+            return slowing * self.g_inv(clamp(z, 0, z_max), p), outside(z, 0, z_max)
+        # a f g(u/S) − b u = Φ_S − Φ_P, over a f
+        drag = slowing * self.damping(p) / isometric
+        # g is 0 at the largest velocity
+        low, high = -drag * self.speed(p), z_max - drag * self.g_inv(z_max, p)
+        return slowing * self.g_inv_damped(clamp(z, low, high), drag, p), outside(z, low, high)
+
+    def slowing(self, a: ca.SX, p: Symbols) -> ca.SX | float:
+        """S(a): the part of its largest velocity that a muscle of activation a reaches, u = S(a) g⁻¹(z)."""
+        return 1.0
+
+    def Phi_S_prime(self, L: ca.SX, p: Symbols) -> ca.SX:
+        """Φ′_S, by CasADi."""
+        s = ca.SX.sym("L")
+        return ca.substitute(ca.jacobian(self.Phi_S(s, p), s), s, L)
+
+
+# one set for both muscles, or one for each
+Curves = CurveSet | tuple[CurveSet, CurveSet]
+
+
+def by_muscle(curves: Curves) -> dict[str, CurveSet]:
+    """The set of each muscle, by its name."""
+    return dict(zip(MUSCLES, (curves, curves) if isinstance(curves, CurveSet) else curves, strict=True))
+
+
+def tendon_parameters(curves: Curves) -> dict[str, Parameter]:
+    """`muscle1.…`, `muscle2.…` for the numbers of both tendons, shared by all Blocks that use them."""
+    return _shared({muscle: own.tendon for muscle, own in by_muscle(curves).items()})
+
+
+def curve_parameters(curves: Curves) -> dict[str, Parameter]:
+    """The same for all numbers of both sets."""
+    return _shared({muscle: own.parameters for muscle, own in by_muscle(curves).items()})
+
+
+def _shared(parameters: Mapping[str, Parameters]) -> dict[str, Parameter]:
+    return {
+        name: replace(parameter, shared=name)
+        for muscle, own in parameters.items()
+        for name, parameter in ((f"{muscle}.{key}", parameter) for key, parameter in own.items())
+    }
