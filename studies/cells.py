@@ -1,0 +1,138 @@
+"""The numbers of a table, block by block: fast where all is well, cell by cell where something is not."""
+
+from __future__ import annotations
+
+import io
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..codegen.library import Array
+from .lines import RecordingError
+from .numbers import GAP, NUMBER
+from .quote import shown
+from .table_header import cells
+
+Rows = NDArray[np.int64]
+
+_NUMERIC = b"0123456789+-.eE "
+_EVERY = bytes(range(256))
+
+
+class Cells:
+    """Reads blocks of lines, one after the other, as numbers of some columns; a gap is NaN.
+
+    labels: the names of all columns, for messages. used: the places of those that are read.
+    """
+
+    def __init__(self, labels: tuple[str, ...], used: list[int], delimiter: str, first_row: int) -> None:
+        self._labels = labels
+        self._used = used
+        self._delimiter = delimiter
+        self._row = first_row
+        # the decimal mark, once one was seen: of a file with commas between its cells it is the point
+        self._mark = "." if delimiter == "," else ""
+        mark = b"\t" if delimiter == " " else delimiter.encode()
+        self._skeleton = mark * (len(labels) - 1) + b"\n"
+        self._no_skeleton = bytes(set(_EVERY) - set(mark + b"\n"))
+        self._harmless = _NUMERIC + mark + b"\n"
+
+    def read(self, block: bytes) -> tuple[Rows, Array]:
+        """Row numbers in the file and the values (rows × used) of a block. RecordingError names a broken cell."""
+        count = block.count(b"\n")
+        values = self._quickly(block, count)
+        if values is None:
+            rows, values = self._carefully(block)
+        else:
+            rows = np.arange(self._row, self._row + count, dtype=np.int64)
+        self._row += count
+        there = ~np.isnan(values).all(axis=1)
+        return (rows, values) if there.all() else (rows[there], values[there])
+
+    def _quickly(self, block: bytes, count: int) -> Array | None:
+        """The values, if every row has its cells and every cell is a number or a gap; else None."""
+        delimiter, mark = self._delimiter.encode(), self._mark
+        if delimiter == b" ":
+            delimiter, block = b"\t", b"\n".join(b"\t".join(line.split()) for line in block.split(b"\n"))
+        elif mark != ".":
+            marks = [sign for sign in (",", ".") if sign.encode() in block]
+            if len({mark, *marks} - {""}) > 1:
+                return None
+            mark = mark or "".join(marks)
+            block = block.replace(b",", b".")
+        if block.translate(None, self._no_skeleton) != self._skeleton * count:
+            return None
+        if block.translate(None, self._harmless).lower().replace(b"nan", b""):
+            return None
+        values = self._loaded(block, delimiter)
+        if values is None:
+            values = self._loaded(_filled(block, delimiter), delimiter)
+        if values is not None:
+            self._mark = mark
+        return values
+
+    def _loaded(self, block: bytes, delimiter: bytes) -> Array | None:
+        try:
+            values = np.loadtxt(
+                io.BytesIO(block),
+                delimiter=delimiter.decode(),
+                usecols=self._used,
+                comments=None,
+                ndmin=2,
+                encoding="latin1",
+            )
+        except ValueError:
+            return None
+        return None if np.isinf(values).any() else values
+
+    def _carefully(self, block: bytes) -> tuple[Rows, Array]:
+        rows, values = [], []
+        for row, raw in enumerate(block.split(b"\n")[:-1], start=self._row):
+            line = raw.decode("latin1").strip(" ")
+            if not line.strip() or line.startswith("#"):
+                continue
+            rows.append(row)
+            values.append(self._line(row, line))
+        return np.array(rows, dtype=np.int64), np.array(values, dtype=float).reshape(len(rows), len(self._used))
+
+    def _line(self, row: int, line: str) -> list[float]:
+        try:
+            found = cells(line, self._delimiter)
+        except RecordingError as error:
+            raise RecordingError(f"row {row}: {error}") from error
+        # OpenSim's older programs end rows with a tab, or put blanks between cells
+        if len(found) != len(self._labels) and self._delimiter == "\t" and len(line.split()) == len(self._labels):
+            found = line.split()
+        if len(found) != len(self._labels):
+            raise RecordingError(f"row {row} has {len(found)} cells; the header names {len(self._labels)} columns")
+        return [self._number(row, self._labels[i], found[i]) for i in self._used]
+
+    def _number(self, row: int, label: str, text: str) -> float:
+        if GAP.fullmatch(text):
+            return math.nan
+        where = f"row {row}, column {shown(label)}"
+        plain = text
+        if self._delimiter not in (",", " ") and ("," in text or "." in text):
+            mark = "," if "," in text else "."
+            self._mark = self._mark or mark
+            if mark == self._mark:
+                plain = text.replace(",", ".")
+            elif NUMBER.fullmatch(text.replace(",", ".")):
+                raise RecordingError(f"{where}: {shown(text)} has another decimal mark than the numbers before it")
+        if not NUMBER.fullmatch(plain):
+            raise RecordingError(f"{where}: {shown(text)} is no number")
+        value = float(plain)
+        if math.isinf(value):
+            raise RecordingError(f"{where}: {shown(text)} is too large for a number")
+        return value
+
+
+def _filled(block: bytes, delimiter: bytes) -> bytes:
+    """`block` with nan in its empty cells."""
+    between = delimiter + b"nan" + delimiter
+    text = b"\n" + block
+    # of three marks in a row the first pass sees the first two
+    text = text.replace(delimiter * 2, between).replace(delimiter * 2, between)
+    text = text.replace(b"\n" + delimiter, b"\nnan" + delimiter).replace(delimiter + b"\n", delimiter + b"nan\n")
+    return text[1:]
