@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..codegen.library import Array
-from .lines import RecordingError
+from .lines import RecordingError, text_of
 from .numbers import GAP, NUMBER
 from .quote import shown
-from .table_header import cells
+from .table_header import BLANKS, cells
 
 Rows = NDArray[np.int64]
 
@@ -32,7 +32,7 @@ class Cells:
         self._delimiter = delimiter
         self._row = first_row
         # the decimal mark, once one was seen: of a file with commas between its cells it is the point
-        self._mark = "." if delimiter == "," else ""
+        self._mark = "." if delimiter in ", " else ""
         mark = b"\t" if delimiter == " " else delimiter.encode()
         self._skeleton = mark * (len(labels) - 1) + b"\n"
         self._no_skeleton = bytes(set(_EVERY) - set(mark + b"\n"))
@@ -52,18 +52,19 @@ class Cells:
 
     def _quickly(self, block: bytes, count: int) -> Array | None:
         """The values, if every row has its cells and every cell is a number or a gap; else None."""
-        delimiter, mark = self._delimiter.encode(), self._mark
-        if delimiter == b" ":
-            delimiter, block = b"\t", b"\n".join(b"\t".join(line.split()) for line in block.split(b"\n"))
-        elif mark != ".":
+        mark = self._mark
+        if mark != ".":
             marks = [sign for sign in (",", ".") if sign.encode() in block]
             if len({mark, *marks} - {""}) > 1:
                 return None
             mark = mark or "".join(marks)
             block = block.replace(b",", b".")
-        if block.translate(None, self._no_skeleton) != self._skeleton * count:
-            return None
         if block.translate(None, self._harmless).lower().replace(b"nan", b""):
+            return None
+        delimiter = self._delimiter.encode()
+        if delimiter == b" ":
+            delimiter, block = b"\t", b"\n".join(b"\t".join(line.split()) for line in block.split(b"\n"))
+        if block.translate(None, self._no_skeleton) != self._skeleton * count:
             return None
         values = self._loaded(block, delimiter)
         if values is None:
@@ -89,8 +90,8 @@ class Cells:
     def _carefully(self, block: bytes) -> tuple[Rows, Array]:
         rows, values = [], []
         for row, raw in enumerate(block.split(b"\n")[:-1], start=self._row):
-            line = raw.decode("latin1").strip(" ")
-            if not line.strip() or line.startswith("#"):
+            line = text_of(raw).strip(" ")
+            if not line.strip(BLANKS) or line.startswith("#"):
                 continue
             rows.append(row)
             values.append(self._line(row, line))
@@ -102,10 +103,11 @@ class Cells:
         except RecordingError as error:
             raise RecordingError(f"row {row}: {error}") from error
         # OpenSim's older programs end rows with a tab, or put blanks between cells
-        if len(found) != len(self._labels) and self._delimiter == "\t" and len(line.split()) == len(self._labels):
-            found = line.split()
+        if len(found) != len(self._labels) and self._delimiter == "\t":
+            found = cells(line, " ")
         if len(found) != len(self._labels):
-            raise RecordingError(f"row {row} has {len(found)} cells; the header names {len(self._labels)} columns")
+            cell = "cell" if len(found) == 1 else "cells"
+            raise RecordingError(f"row {row} has {len(found)} {cell}; the header names {len(self._labels)} columns")
         return [self._number(row, self._labels[i], found[i]) for i in self._used]
 
     def _number(self, row: int, label: str, text: str) -> float:
@@ -113,7 +115,7 @@ class Cells:
             return math.nan
         where = f"row {row}, column {shown(label)}"
         plain = text
-        if self._delimiter not in (",", " ") and ("," in text or "." in text):
+        if self._delimiter not in ", " and ("," in text or "." in text):
             mark = "," if "," in text else "."
             self._mark = self._mark or mark
             if mark == self._mark:
@@ -121,7 +123,9 @@ class Cells:
             elif NUMBER.fullmatch(text.replace(",", ".")):
                 raise RecordingError(f"{where}: {shown(text)} has another decimal mark than the numbers before it")
         if not NUMBER.fullmatch(plain):
-            raise RecordingError(f"{where}: {shown(text)} is no number")
+            comma = self._delimiter == "," and NUMBER.fullmatch(text.replace(",", "."))
+            hint = "; with decimal commas the cells must be apart by ; or a tab" if comma else ""
+            raise RecordingError(f"{where}: {shown(text)} is no number{hint}")
         value = float(plain)
         if math.isinf(value):
             raise RecordingError(f"{where}: {shown(text)} is too large for a number")

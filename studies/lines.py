@@ -32,7 +32,7 @@ def blocks(path: Path, progress: Progress = lambda done: None) -> Iterator[bytes
     `progress` is given the part of the file that has been read. RecordingError if the file is no regular one, too
     large, a damaged gzip file, not in an ASCII-compatible encoding, or has a line of more than a million bytes.
     """
-    rest, line = b"", 1
+    ready, rest, line = b"", b"", 1
     for piece in _checked(path, progress):
         text = rest + piece
         # half of a CR LF waits for its other half
@@ -43,12 +43,15 @@ def blocks(path: Path, progress: Progress = lambda done: None) -> Iterator[bytes
         end = text.rfind(b"\n") + 1
         rest = text[end:] + held_back
         if end:
-            yield text[:end]
-            line += text.count(b"\n", 0, end)
+            if ready:
+                yield ready
+            ready = text[:end]
+            line += ready.count(b"\n")
         if len(rest) > _LONGEST_LINE:
             raise RecordingError(f"row {line} is longer than {_LONGEST_LINE:,} bytes")
-    if rest:
-        yield rest.rstrip(b"\r") + b"\n"
+    # a last line without an end belongs to the last block, which may be the first
+    if ready or rest:
+        yield ready + (rest.rstrip(b"\r") + b"\n" if rest else b"")
 
 
 def _checked(path: Path, progress: Progress) -> Iterator[bytes]:
@@ -84,3 +87,11 @@ def _unfolded(file: BinaryIO) -> Iterator[bytes]:
         if packed and unpacked > max(_SMALL, _LARGEST_RATIO * file.tell()):
             raise RecordingError(f"unfolds to more than {_LARGEST_RATIO} times its size: it is no recording")
         yield piece
+
+
+def text_of(line: bytes) -> str:
+    """Bytes as text: UTF-8, or what older spreadsheets write. Numbers are ASCII in both."""
+    try:
+        return line.decode()
+    except UnicodeDecodeError:
+        return line.decode("latin1")

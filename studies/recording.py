@@ -12,7 +12,7 @@ import numpy as np
 from ..codegen.library import Array
 from .cells import Cells, Rows
 from .columns import INPUTS, Column, choose
-from .lines import Progress, RecordingError, blocks
+from .lines import Progress, RecordingError, blocks, text_of
 from .quote import ranges
 from .samples import Samples
 from .table_header import read_header
@@ -107,7 +107,7 @@ def _chunks(path: Path, mapping: Mapping[str, str], size: int, progress: Progres
     first = next(source, None)
     if first is None:
         raise RecordingError("is empty")
-    header = read_header(_text(first).split("\n")[:-1], _is_opensim(path))
+    header = read_header(text_of(first).split("\n")[:-1], _is_opensim(path))
     columns = choose(header.labels, header.units, mapping)
     reader = Cells(header.labels, [column.index for column in columns], header.delimiter, header.lines + 1)
     rest = first.split(b"\n", header.lines)[-1]
@@ -145,11 +145,3 @@ def _recording(
 def _is_opensim(path: Path) -> bool:
     name = path.name.lower().removesuffix(".gz")
     return name.endswith(_OPENSIM)
-
-
-def _text(block: bytes) -> str:
-    """Only the names of columns may be more than ASCII; spreadsheets write them as Latin-1 or UTF-8."""
-    try:
-        return block.decode()
-    except UnicodeDecodeError:
-        return block.decode("latin1")

@@ -15,6 +15,8 @@ _MOST_COLUMNS = 10_000
 # OpenSim's headers have ten lines, those of laboratories a page
 _LONGEST_HEADER = 1_000
 _UNITS_LINE = "units:"
+# blanks of other scripts are text
+BLANKS = " \t"
 
 
 @dataclass(frozen=True)
@@ -46,14 +48,14 @@ def read_header(lines: Sequence[str], opensim: bool) -> Header:
 def cells(line: str, delimiter: str) -> list[str]:
     """The cells of one line, without quotes and blanks around them. RecordingError if a quote stays open."""
     if delimiter == " ":
-        return line.split()
+        return [cell for cell in line.replace("\t", delimiter).split(delimiter) if cell]
     if '"' not in line:
-        return [cell.strip() for cell in line.split(delimiter)]
+        return [cell.strip(BLANKS) for cell in line.split(delimiter)]
     try:
         (row,) = csv.reader([line], delimiter=delimiter, skipinitialspace=True, strict=True)
     except (csv.Error, ValueError) as error:
         raise RecordingError("a quoted cell does not end where it should") from error
-    return [cell.strip() for cell in row]
+    return [cell.strip(BLANKS) for cell in row]
 
 
 def _csv(lines: Sequence[str]) -> Header:
