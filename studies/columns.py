@@ -156,11 +156,14 @@ def _suffix(label: str, quantity: str) -> str:
 
 def _agreed(given: Sequence[str], name: str, label: str) -> Unit:
     where = f"column {shown(label.strip())}"
-    every = [unit_of(text, QUANTITIES[name], where) for text in given if text]
+    quantity = QUANTITIES[name]
+    # a length of unit 1 is one without a unit, as our own dimensionless results have it
+    told = [text for text in given if text and (quantity == "number" or find_unit(text) != UNITS["1"])]
+    every = [unit_of(text, quantity, where) for text in told]
     for one in every[1:]:
         if one != every[0]:
             raise RecordingError(f"{where}: its unit is {every[0].symbol} in one place and {one.symbol} in another")
-    return every[0] if every else SI[QUANTITIES[name]]
+    return every[0] if every else SI[quantity]
 
 
 def _two(places: Sequence[int]) -> str:

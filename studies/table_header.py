@@ -63,7 +63,7 @@ def _csv(lines: Sequence[str]) -> Header:
     if at is None:
         raise RecordingError("is empty: it has no row with names of columns")
     said = [words for words in map(_comment, lines[:at]) if words.lower().startswith(_UNITS_LINE)]
-    delimiter = next((mark for mark in "\t;" if mark in lines[at]), ",")
+    delimiter = next((mark for mark in "\t;," if mark in lines[at]), " ")
     labels = _cells(lines[at], delimiter, at)
     units = _units(said[-1][len(_UNITS_LINE) :] if said else "", delimiter, len(labels))
     # a second row of units, as laboratories write it

@@ -107,6 +107,7 @@ def test_measured_columns_are_the_inputs_and_the_plain_ones_the_truth() -> None:
         (TABLE.replace(",", " , "), "blanks.csv"),
         ("\ufeff" + TABLE.replace(",", ";").replace(".", ",").replace("\n", "\r\n"), "excel-german.csv"),
         (TABLE.replace(",", "\t").replace(".", ","), "comma-tab.tsv"),
+        (TABLE.replace(",", "  "), "blanks.txt"),
         (re.sub(r"[^,\n]+", r'"\g<0>"', TABLE), "quoted.csv"),
         ("# made by hand\n# units: s,m,N,N\n" + TABLE.replace("\n0.002", "\n# half\n\n0.002"), "comments.csv"),
         (HEAD + "\ns,m,N,N" + ROWS, "units-row.csv"),
@@ -330,6 +331,12 @@ def test_a_missing_column_says_what_is_there_and_no_novel(folder: Path) -> None:
     first = ", ".join(f"'c{i}'" for i in range(8))
     assert sentence == f"there is no column time; there are {first} and 42 more"
     assert len(refusal(folder, "x" * 100_000 + ",\x1b[31mred\n")) < 400
+
+
+def test_a_simulation_of_ours_is_a_recording_without_units(folder: Path) -> None:
+    text = "# units: 1,1,1,1,1\nt,x1,y2,high_gain.x1_hat,y3\n0,2.6,0.1,2.62,0.2\n"
+    found = reading(folder, text, mapping={"time": "t", "position": "x1", "force_1": "y2", "force_2": "y3[N]"})
+    assert numbers(found).tolist() == [[0, 2.6, 0.1, 0.2]]
 
 
 def test_a_mapping_names_columns_and_units(folder: Path) -> None:
