@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import math
+import re
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,8 @@ Rows = NDArray[np.int64]
 
 _NUMERIC = b"0123456789+-.eE "
 _EVERY = bytes(range(256))
+# decimal commas as points, so that points are no numbers
+_SWAPPED = str.maketrans(",.", ".,")
 
 
 class Cells:
@@ -37,6 +40,8 @@ class Cells:
         self._skeleton = mark * (len(labels) - 1) + b"\n"
         self._no_skeleton = bytes(set(_EVERY) - set(mark + b"\n"))
         self._harmless = _NUMERIC + mark + b"\n"
+        # a whole cell in quotes, with neither quotes nor marks inside
+        self._in_quotes = re.compile(rb'(?<![^%b\n])"([^"%b\n]*)"(?=[%b\n])' % (mark, mark, mark))
 
     def read(self, block: bytes) -> tuple[Rows, Array]:
         """Row numbers in the file and the values (rows × used) of a block. RecordingError names a broken cell."""
@@ -53,6 +58,8 @@ class Cells:
     def _quickly(self, block: bytes, count: int) -> Array | None:
         """The values, if every row has its cells and every cell is a number or a gap; else None."""
         mark = self._mark
+        if b'"' in block and self._delimiter != " ":
+            block = self._in_quotes.sub(rb"\1", block)
         if mark != ".":
             marks = [sign for sign in (",", ".") if sign.encode() in block]
             if len({mark, *marks} - {""}) > 1:
@@ -102,9 +109,11 @@ class Cells:
             found = cells(line, self._delimiter)
         except RecordingError as error:
             raise RecordingError(f"row {row}: {error}") from error
-        # OpenSim's older programs end rows with a tab, or put blanks between cells
-        if len(found) != len(self._labels) and self._delimiter == "\t":
+        # older programs end rows with a tab, or part the names by tabs and the numbers by blanks
+        if self._delimiter == "\t" and len(found) == 1:
             found = cells(line, " ")
+        elif self._delimiter == "\t" and len(found) == len(self._labels) + 1 and not found[-1]:
+            found.pop()
         if len(found) != len(self._labels):
             cell = "cell" if len(found) == 1 else "cells"
             raise RecordingError(f"row {row} has {len(found)} {cell}; the header names {len(self._labels)} columns")
@@ -113,23 +122,21 @@ class Cells:
     def _number(self, row: int, label: str, text: str) -> float:
         if GAP.fullmatch(text):
             return math.nan
-        where = f"row {row}, column {shown(label)}"
-        plain = text
-        if self._delimiter not in ", " and ("," in text or "." in text):
-            mark = "," if "," in text else "."
-            self._mark = self._mark or mark
-            if mark == self._mark:
-                plain = text.replace(",", ".")
-            elif NUMBER.fullmatch(text.replace(",", ".")):
-                raise RecordingError(f"{where}: {shown(text)} has another decimal mark than the numbers before it")
-        if not NUMBER.fullmatch(plain):
-            comma = self._delimiter == "," and NUMBER.fullmatch(text.replace(",", "."))
-            hint = "; with decimal commas the cells must be apart by ; or a tab" if comma else ""
-            raise RecordingError(f"{where}: {shown(text)} is no number{hint}")
-        value = float(plain)
-        if math.isinf(value):
-            raise RecordingError(f"{where}: {shown(text)} is too large for a number")
-        return value
+        if not self._mark and ("," in text or "." in text):
+            self._mark = "," if "," in text else "."
+        plain = text.translate(_SWAPPED) if self._mark == "," else text
+        value = float(plain) if NUMBER.fullmatch(plain) else math.inf
+        if math.isfinite(value):
+            return value
+        where = f"row {row}, column {shown(label)}: {shown(text)}"
+        if NUMBER.fullmatch(plain):
+            raise RecordingError(f"{where} is too large for a number")
+        hint = ""
+        if self._delimiter == "," and NUMBER.fullmatch(text.translate(_SWAPPED)):
+            hint = "; with decimal commas the cells must be apart by ; or a tab"
+        elif self._mark and NUMBER.fullmatch(plain.translate(_SWAPPED)):
+            hint = f"; the numbers before it have a decimal {'comma' if self._mark == ',' else 'point'}"
+        raise RecordingError(f"{where} is no number{hint}")
 
 
 def _filled(block: bytes, delimiter: bytes) -> bytes:

@@ -123,6 +123,7 @@ def test_measured_columns_are_the_inputs_and_the_plain_ones_the_truth() -> None:
         ),
         ("ENDHEADER\n" + TABLE.replace(",", "   "), "blanks.mot"),
         ("endheader\n" + TABLE.replace(",", " \t ").replace("\n", "\t\n"), "ends-in-tab.mot"),
+        (f"endheader\n{HEAD.replace(',', chr(9))}{ROWS.replace(',', '  ')}", "blanks-below-tabs.mot"),
         ("endheader\r\n" + TABLE.replace(",", "\t").replace("\n", "\r\n"), "crlf.MOT"),
     ],
 )
@@ -243,6 +244,8 @@ def test_a_comment_changes_nothing_but_the_rows(folder: Path, place: int, values
 def test_a_row_of_another_length_is_named(folder: Path) -> None:
     assert refusal(folder, TABLE + "0.003,1,2\n") == "row 5 has 3 cells; the header names 4 columns"
     assert refusal(folder, TABLE + "0.003,1,2,3,4\n") == "row 5 has 5 cells; the header names 4 columns"
+    sto = "endheader\n" + TABLE.replace(",", "\t") + "0.003\t\t1\t2\t3\n"
+    assert refusal(folder, sto, "x.sto") == "row 6 has 5 cells; the header names 4 columns"
     # as many marks in two rows as two rows should have
     assert refusal(folder, TABLE + "3,1,2\n4,1,2,3,4\n") == "row 5 has 3 cells; the header names 4 columns"
 
