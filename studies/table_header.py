@@ -96,7 +96,7 @@ def _sto(lines: Sequence[str]) -> Header:
     delimiter = "\t" if "\t" in lines[at].strip() else " "
     labels = _cells(lines[at].strip(), delimiter, at)
     counted = _whole(keys.get("ncolumns", ""))
-    # files cut by hand keep their old numbers, and OpenSim does not mind; each row is checked against the names
+    # files cut by hand keep their old numbers; each row is checked against the names anyway
     remarks = (
         (f"the header says nColumns={counted}, there are {len(labels)}",) if counted not in (None, len(labels)) else ()
     )

@@ -2,6 +2,7 @@
 
 import copy
 import math
+import re
 import tomllib
 from collections.abc import Callable
 from dataclasses import replace
@@ -76,6 +77,12 @@ def test_the_files_of_the_public_recordings(name: str, strains: tuple[float, flo
     assert numbers["plant.m"] == pytest.approx(0.2, rel=1e-15)
     assert numbers["plant.C"] == pytest.approx(6.2, rel=1e-15)
     assert (numbers["muscle1.L_slack"], numbers["muscle2.L_slack"]) == (2.0, 2.0)
+
+
+def test_the_file_in_the_docs_is_one() -> None:
+    page = (FILES.parents[1] / "docs" / "recordings.md").read_text(encoding="utf-8")
+    (text,) = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
+    assert scales(pair_of(text)).numbers["plant.m"] == pytest.approx(0.2)
 
 
 def test_a_muscle_has_its_own_numbers_before_those_of_both() -> None:
