@@ -96,7 +96,7 @@ def _sto(lines: Sequence[str]) -> Header:
     delimiter = "\t" if "\t" in lines[at].strip() else " "
     labels = _cells(lines[at].strip(), delimiter, at)
     counted = _whole(keys.get("ncolumns", ""))
-    # files cut by hand keep their old numbers; each row is checked against the names anyway
+    # files cut by hand keep their old numbers, and OpenSim 4.6 reads them; each row is checked against the names
     remarks = (
         (f"the header says nColumns={counted}, there are {len(labels)}",) if counted not in (None, len(labels)) else ()
     )
@@ -116,9 +116,13 @@ def _cells(line: str, delimiter: str, at: int) -> list[str]:
 
 
 def _units(comment: str, delimiter: str, count: int) -> tuple[str, ...]:
-    """The units of a comment, if it has one for each column."""
-    texts = [text.strip() for text in comment.split(delimiter)]
-    return tuple(texts) if len(texts) == count else ("",) * count
+    """The units of a comment, one for each column."""
+    if not comment:
+        return ("",) * count
+    texts = cells(comment.strip(), delimiter)
+    if len(texts) != count:
+        raise RecordingError(f"the comment on units has {len(texts)} for {count} columns")
+    return tuple(texts)
 
 
 def _are_units(row: Sequence[str]) -> bool:

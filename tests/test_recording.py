@@ -322,6 +322,7 @@ def test_rows_are_told_briefly() -> None:
             "# units: s,mm,N,N\ntime,position,force_1,force_2\ns,mm,N,N",
             "row 3 holds units, and so does a comment above it",
         ),
+        ("# units: s,mm\ntime,position,force_1,force_2", "the comment on units has 2 for 4 columns"),
         ('time,"position,force_1,force_2', "row 1: a quoted cell does not end where it should"),
     ],
 )
