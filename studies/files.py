@@ -8,7 +8,7 @@ import hashlib
 import io
 import os
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -32,21 +32,29 @@ class ResultError(ValueError):
 
 def write_whole(path: Path, content: bytes) -> None:
     """`content` under `path`, or nothing new there. ResultError names the file and the cause."""
+    write_pieces(path, [content])
+
+
+def write_pieces(path: Path, pieces: Iterable[bytes]) -> None:
+    """The pieces, one after the other, as one file under `path`, or nothing new there. ResultError as above."""
     temporary = None
     try:
         handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name[:40]}-")
         with os.fdopen(handle, "wb") as file:
-            file.write(content)
+            file.writelines(pieces)
             file.flush()
             os.fsync(file.fileno())
         os.chmod(temporary, 0o666 & ~_umask())
         os.replace(temporary, path)
+        temporary = None
         _sync_folder(path.parent)
     except OSError as error:
+        raise ResultError(f"{path} cannot be written: {error.strerror}") from error
+    finally:
+        # also where the pieces come to no end
         if temporary:
             with contextlib.suppress(OSError):
                 os.unlink(temporary)
-        raise ResultError(f"{path} cannot be written: {error.strerror}") from error
 
 
 def writable_folder(folder: Path) -> Path:

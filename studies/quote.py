@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 _HALF = 60
 _DIGITS = 10**40
 
@@ -32,3 +34,16 @@ def shown(value: object) -> str:
         case _:
             text = str(value)
     return short(escaped(text))
+
+
+def ranges(numbers: Iterable[int], most: int = 5) -> str:
+    """Whole numbers that rise, with neighbours joined, such as 3–5, 9; of many, how many follow."""
+    runs: list[list[int]] = []
+    for number in numbers:
+        if runs and number == runs[-1][1] + 1:
+            runs[-1][1] = number
+        else:
+            runs.append([number, number])
+    words = [f"{first}–{last}" if last > first else f"{first}" for first, last in runs[:most]]
+    more = sum(last - first + 1 for first, last in runs[most:])
+    return ", ".join(words) + (f" and {more:,} more" if more else "")

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import contextlib
 import errno
 import os
 import stat
+from collections.abc import Iterator
 from pathlib import Path
+from typing import BinaryIO
 
 
-def read_whole(path: Path, largest: int) -> bytes:
-    """The bytes of a regular file. OSError or ValueError if there is none, or it has more than `largest`."""
+@contextlib.contextmanager
+def open_regular(path: Path, largest: int) -> Iterator[tuple[BinaryIO, int]]:
+    """A regular file and its size. OSError or ValueError if there is none, or it has more than `largest` bytes."""
     # a pipe without a writer would block
     with open(path, "rb", opener=lambda name, flags: os.open(name, flags | os.O_NONBLOCK)) as file:
         status = os.fstat(file.fileno())
@@ -17,7 +21,13 @@ def read_whole(path: Path, largest: int) -> bytes:
             raise OSError(errno.EINVAL, "it is no regular file")
         if status.st_size > largest:
             raise OSError(errno.EFBIG, f"it is larger than {largest:,} bytes")
-        return file.read(status.st_size)
+        yield file, status.st_size
+
+
+def read_whole(path: Path, largest: int) -> bytes:
+    """The bytes of a regular file. OSError or ValueError as in `open_regular`."""
+    with open_regular(path, largest) as (file, size):
+        return file.read(size)
 
 
 def cause(error: OSError | ValueError) -> str:

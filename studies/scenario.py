@@ -11,21 +11,20 @@ from importlib import resources
 from numbers import Integral, Real
 from pathlib import Path
 
+from ..model.block import Parameter
 from ..model.curves import CURVES, SIMULATED, Curves
 from ..model.pair import DRIVES
 from ..model.symbols import MUSCLES
+from .numbers import NUMBER
 from .quote import short, shown
-from .reading import cause, read_whole
 from .table import ScenarioError, Table
+from .toml_file import TomlError, read_toml
 
 _SHIPPED = "hillobs.studies.scenarios"
 # the paper's two first, then the harder ones
 _ORDER = ("paper-clean", "paper-noisy", "challenge", "slack", "slack-deep", "activation")
-# a scenario has some hundred numbers; larger files are something else
-_LARGEST_FILE = 200_000
 _DEEPEST = 8
 _LARGEST_SEED = 2**64 - 1
-_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 
 _WHOLE = re.compile(r"[+-]?\d{1,20}", re.ASCII)
 # what a result cannot carry: the end of a C string, and halves of characters
@@ -80,7 +79,10 @@ def read(source: str | Path) -> tuple[str, dict[str, object]]:
     path = Path(name)
     if path.suffix != ".toml":
         raise ScenarioError(f"unknown scenario {shown(name)}; there are {', '.join(texts)}, or name a .toml file")
-    content = _parse(path)
+    try:
+        content = read_toml(path)
+    except TomlError as error:
+        raise ScenarioError(str(error)) from error
     return _text(f"{path}: its name", path.stem), content
 
 
@@ -134,29 +136,9 @@ def parse_change(text: str) -> tuple[str, Value]:
 
 def parse_number(what: str, text: str) -> float:
     """A number as typed: digits, point, exponent. ScenarioError says what is not one."""
-    if not _NUMBER.fullmatch(text):
+    if not NUMBER.fullmatch(text):
         raise ScenarioError(f"{short(what)} must be a number, not {shown(text)}")
     return float(text)
-
-
-def _parse(path: Path) -> dict[str, object]:
-    try:
-        raw = read_whole(path, _LARGEST_FILE)
-    except (OSError, ValueError) as error:
-        raise ScenarioError(f"{path}: cannot be read: {cause(error)}") from error
-    if raw.startswith(b"\xef\xbb\xbf"):
-        raise ScenarioError(f"{path}: begins with a byte-order mark (BOM); save it as UTF-8 without one")
-    try:
-        return tomllib.loads(raw.decode("utf-8"))
-    except UnicodeDecodeError as error:
-        line = raw.count(b"\n", 0, error.start) + 1
-        raise ScenarioError(f"{path}: line {line} is not valid UTF-8") from error
-    except tomllib.TOMLDecodeError as error:
-        raise ScenarioError(f"{path}: not valid TOML: {short(str(error))}") from error
-    except RecursionError as error:
-        raise ScenarioError(f"{path}: nested too deeply to be a scenario") from error
-    except ValueError as error:
-        raise ScenarioError(f"{path}: cannot be read: it holds a number of thousands of digits") from error
 
 
 def is_choice(path: str) -> bool:
@@ -183,7 +165,11 @@ def _leaves(content: Mapping[str, object], is_section: Callable[[str], bool]) ->
 
 def checked_number(path: str, value: object, table: Table) -> float:
     """The number at `path`, within the bounds of its parameter. ScenarioError says what it must be."""
-    parameter = table.paths[table.expand(path)[0]]
+    return within(path, value, table.paths[table.expand(path)[0]])
+
+
+def within(path: str, value: object, parameter: Parameter) -> float:
+    """`value` as a number within the bounds of `parameter`. ScenarioError names `path` and says what it must be."""
     if isinstance(value, bool) or not isinstance(value, Real):
         raise ScenarioError(f"{path} must be a number, not {shown(value)}")
     try:

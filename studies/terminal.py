@@ -71,11 +71,12 @@ def user_errors() -> Iterator[None]:
     from ..codegen.cache import BuildError
     from ..model.block import BlockError
     from .files import ResultError
+    from .lines import RecordingError
     from .table import ScenarioError
 
     try:
         yield
-    except (ScenarioError, ResultError, BlockError) as error:
+    except (ScenarioError, ResultError, RecordingError, BlockError) as error:
         complain(str(error))
         sys.exit(USAGE)
     except BuildError as error:  # the compiler's own words take several lines

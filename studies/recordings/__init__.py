@@ -1,0 +1,1 @@
+"""A recording that comes with hillobs, and the muscles of the three public ones."""
