@@ -7,6 +7,7 @@ import itertools
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from numbers import Integral
 from pathlib import Path
 
 import numpy as np
@@ -30,6 +31,8 @@ PART = 512
 _LAYOUT = 3
 # from here on a sweep is asked for twice
 MANY_RUNS = 100_000_000
+# more of them make no result that fits into a file
+_MOST_SEEDS = 100_000_000
 # numbers that have to fit together are checked for every combination, if there are no more than these
 _MOST_CHECKS = 200_000
 # the last words of paths whose numbers limit each other
@@ -206,11 +209,15 @@ def _observers(
 
 
 def _seeds(given: int | Sequence[int]) -> Seeds:
-    values = list(range(given)) if isinstance(given, int) else list(given)
-    if not values:
+    if (count := given if isinstance(given, int) else len(given)) < 1:
         raise ScenarioError("a sweep needs at least one seed")
+    if count > _MOST_SEEDS:
+        raise ScenarioError(f"a sweep has no more than {_MOST_SEEDS:,} seeds, not {count:,}")
+    if isinstance(given, int):
+        return np.arange(count, dtype=np.uint64)
+    values = list(given)
+    if any(isinstance(s, bool) or not isinstance(s, Integral) or not 0 <= s < 2**64 for s in values):
+        raise ScenarioError("seeds must be whole numbers from 0 to 2⁶⁴ − 1")
     if len(set(values)) < len(values):
         raise ScenarioError("a seed is there twice")
-    if any(isinstance(seed, bool) or not 0 <= seed < 2**64 for seed in values):
-        raise ScenarioError("seeds must be whole numbers from 0 to 2⁶⁴ − 1")
     return np.array(values, dtype=np.uint64)
