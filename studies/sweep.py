@@ -163,19 +163,19 @@ def on_threads(workers: int | None = None) -> Compute:
             return part, compute_part(wanted, compiled, part, check)
 
         with ThreadPoolExecutor(count) as pool:
-            running: set[Future[tuple[int, Array]]] = set()
+            running: list[Future[tuple[int, Array]]] = []
             try:
                 while True:
                     # no more than twice the threads: a sweep of a million parts has no million futures
                     for part in waiting:
-                        running.add(_submitted(pool, work, part))
+                        running.append(_submitted(pool, work, part))
                         if len(running) >= 2 * count:
                             break
                     if not running:
                         return
-                    finished, running = wait(running, return_when=FIRST_COMPLETED)
-                    for future in finished:
-                        yield future.result()
+                    finished = wait(running, return_when=FIRST_COMPLETED).done
+                    first, running = running, [future for future in running if future not in finished]
+                    yield from (future.result() for future in first if future in finished)
             finally:
                 stop.set()
                 for future in running:
