@@ -134,7 +134,7 @@ def _computed(
         warnings.warn(f"{parts.folder}: {words} computed again", SweepWarning, stacklevel=4)
     done = sum(whole.values())
     progress(done, wanted.runs)
-    missing = (part for part in range(wanted.parts) if part not in whole)
+    missing = [part for part in range(wanted.parts) if part not in whole]
     # its threads end with it, however it ends
     with contextlib.closing(compute(wanted, compiled, missing)) as found:
         for part, computed in found:

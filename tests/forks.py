@@ -25,8 +25,8 @@ from pathlib import Path
 # runs in one part of the sweeps here
 PART = 4
 # duration, observers and parts of them: the first part, one between, the last
-TINY = ["--set", "duration=0.05", "--set", "score.start=0.01", "--observer", "high_gain"]
-COMMAND = ["sweep", "paper-noisy", *TINY, "--over", "high_gain.eps_h=0.05,0.1,0.2", "--seeds", "4", "--quantity", "x2"]
+TINY = ["--set", "duration=0.05", "--set", "score.start=0.01", "--observer", "high_gain", "--quantity", "x2"]
+COMMAND = ["sweep", "paper-noisy", *TINY, "--over", "high_gain.eps_h=0.05,0.1,0.2", "--seeds", "4"]
 PARTS = 3
 
 # calls that Python reports, and what we report of those that it does not

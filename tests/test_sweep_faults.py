@@ -239,7 +239,7 @@ def wait(done, runs):
 
 plan.PART = 4
 sweep("paper-noisy", {"high_gain.eps_h": [0.05, 0.1, 0.2]}, 4, "high_gain", {"duration": 0.05, "score.start": 0.01},
-      out="x.nc", workers=1, progress=wait)
+      quantities=["x2"], out="x.nc", workers=1, progress=wait)
 """
 
 

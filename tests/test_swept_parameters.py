@@ -9,12 +9,12 @@ import pytest
 from hillobs.codegen.library import Array
 from hillobs.model.pair import DRIVES
 from hillobs.model.symbols import QUANTITIES
+from hillobs.observers.score import MEASURES
 from hillobs.studies.loops import compile_loop, full_table
 from hillobs.studies.plan import Plan, plan
 from hillobs.studies.prepare import BASELINE, prepare
 from hillobs.studies.simulate import simulate
 from hillobs.studies.sweep import compute_part, sweep
-from hillobs.studies.sweep_dataset import MEASURES
 from hillobs.studies.table import RUN, ScenarioError, block_paths
 
 OBSERVERS = (BASELINE, "high_gain", "sliding_mode", "adaptive_sliding_mode")
@@ -79,7 +79,7 @@ def run_together(sweeps: list[Plan]) -> np.ndarray:
     points = [one.numbers(np.arange(one.runs)) for one in sweeps]
     rows = {name: np.concatenate([numbers[name] for numbers in points]) for name in points[0]}
     empty = plan("challenge", {}, 1, OBSERVERS).axes
-    together = Together(base.prepared, empty, base.seeds, base.observers, rows)
+    together = Together(base.prepared, empty, base.seeds, base.observers, QUANTITIES, MEASURES, rows)
     numbers = compute_part(together, compile_loop(base.prepared.loop), 0)
     each = numbers[:, :-2].reshape(len(sweeps), base.runs, len(OBSERVERS), -1)
     assert np.isnan(each[..., -2]).all(), "an observer failed"
@@ -120,7 +120,6 @@ def test_every_parameter_of_every_block_reaches_the_run(drive: str) -> None:
         path: set() if path in WITHOUT_EFFECT else {path.partition(".")[0]} & set(blocks) or set(blocks)
         for path in values
     }
-    # noise and tolerances of what an observer does not estimate, shared numbers that it has no use for
     wrong = {path for path in values if path.partition(".")[0] in blocks and changed[path] != expected[path]}
     assert not wrong
     assert not {path for path in values if path not in WITHOUT_EFFECT and not changed[path]}
@@ -129,7 +128,7 @@ def test_every_parameter_of_every_block_reaches_the_run(drive: str) -> None:
         assert same(own, unchanged), path
         # the other drives have the same observers
         if drive == "virtual" or not path.startswith(OBSERVERS):
-            assert same(other, alone({**changes, path: values[path]})), path
+            assert same(other, alone({**changes, **dict.fromkeys(table.expand(path), values[path])})), path
 
 
 def test_no_parameter_is_forgotten() -> None:
@@ -166,31 +165,35 @@ def test_a_shared_number_reaches_all_who_share_it() -> None:
         assert same(other, alone({**changes, path: values[path]})), path
 
 
-# a time on either side of where something happens
+# two times of each, different on the grid
 TIMES = {
-    "duration": 0.41,
-    "step": 5e-4,
-    "score.start": 0.06,
-    "noise.period": 0.01,
-    "pulse1.start": 0.03,
-    "pulse1.stop": 0.09,
-    "pulse2.start": 0.11,
-    "pulse2.stop": 0.16,
+    "duration": (0.4, 0.41),
+    "step": (1e-3, 5e-4),
+    "score.start": (0.05, 0.06),
+    "noise.period": (0.005, 0.01),
+    "pulse.start": (0.02, 0.03),
+    "pulse.stop": (0.15, 0.16),
+    "pulse1.start": (0.02, 0.03),
+    "pulse1.stop": (0.08, 0.09),
+    "pulse2.start": (0.1, 0.11),
+    "pulse2.stop": (0.15, 0.16),
 }
 
 
-@pytest.mark.parametrize("path", RUN)
+def test_what_a_run_records_cannot_be_swept() -> None:
+    """A sweep keeps nothing of it; every other number of the run itself can."""
+    assert {"record", *TIMES} >= set(RUN)
+    with pytest.raises(ScenarioError, match="record cannot be swept"):
+        sweep("challenge", {"record": [0.01, 0.02]}, 1, OBSERVERS, ACTIVE)
+
+
+@pytest.mark.parametrize("path", TIMES)
 def test_every_number_of_the_run_itself_reaches_it(path: str) -> None:
-    own = prepare("challenge", None, ACTIVE).value(path)
-    if path == "record":  # it decides what a run keeps, and a sweep keeps nothing of it
-        with pytest.raises(ScenarioError, match="record cannot be swept"):
-            sweep("challenge", {path: [own, 0.02]}, 1, OBSERVERS, ACTIVE)
-        return
-    found = sweep("challenge", {path: [own, TIMES[path]]}, 1, OBSERVERS, ACTIVE).isel(seed=0)
+    found = sweep("challenge", {path: TIMES[path]}, 1, OBSERVERS, ACTIVE).isel(seed=0)
     points = [np.stack([found[measure].isel({path: i}).values for measure in MEASURES], axis=1) for i in range(2)]
     assert not same(*points)
-    for value, point in zip((own, TIMES[path]), points, strict=True):
-        assert same(point, alone({**ACTIVE, path: value}))
+    for value, point in zip(TIMES[path], points, strict=True):
+        assert same(point, alone({**ACTIVE, **dict.fromkeys(full_table().expand(path), value)}))
 
 
 def test_the_seed_reaches_the_run() -> None:
