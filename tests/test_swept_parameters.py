@@ -165,6 +165,23 @@ def test_a_shared_number_reaches_all_who_share_it() -> None:
         assert same(other, alone({**changes, path: values[path]})), path
 
 
+def test_one_muscle_wins_over_both() -> None:
+    over = {"muscle1.k": [18.0], "muscle.k": [19.0, 20.0], "plant.m": [1.1]}
+    wanted = plan("paper-clean", over, 1)
+    for run, k in enumerate((19.0, 20.0)):
+        given = prepare("paper-clean", None, {"muscle.k": k, "muscle1.k": 18.0, "plant.m": 1.1})
+        for block in given.loop.blocks:
+            expected = given.table.values(block, given.scenario.given)
+            np.testing.assert_array_equal(wanted.numbers(np.arange(2))[block.name][run], expected)
+
+
+def test_combinations_are_checked_as_they_run() -> None:
+    """What a sweep sets wins over a change of the same number, also where one names a muscle and the other both."""
+    with pytest.raises(ScenarioError, match="at muscle.k = 40: muscle1: k·toe"):
+        plan("paper-clean", {"muscle.k": [19.0, 40.0]}, 1, None, {"muscle1.k": 19.0, "muscle2.k": 19.0})
+    assert plan("paper-clean", {"muscle.k": [19.0]}, 1, None, {"muscle1.k": 20.0}).runs == 1
+
+
 # two times of each, different on the grid
 TIMES = {
     "duration": (0.4, 0.41),
