@@ -177,7 +177,7 @@ def test_one_muscle_wins_over_both() -> None:
 
 def test_combinations_are_checked_as_they_run() -> None:
     """What a sweep sets wins over a change of the same number, also where one names a muscle and the other both."""
-    with pytest.raises(ScenarioError, match="at muscle.k = 40: muscle1: k·toe"):
+    with pytest.raises(ScenarioError, match=r"at muscle\.k = 40: muscle1: k·toe"):
         plan("paper-clean", {"muscle.k": [19.0, 40.0]}, 1, None, {"muscle1.k": 19.0, "muscle2.k": 19.0})
     assert plan("paper-clean", {"muscle.k": [19.0]}, 1, None, {"muscle1.k": 20.0}).runs == 1
 
