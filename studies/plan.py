@@ -140,6 +140,8 @@ def plan(
     measures: Sequence[str] = MEASURES,
 ) -> Plan:
     """Everything of a sweep that can be wrong before it starts. ScenarioError says what is."""
+    if "seed" in (changes or {}):
+        raise ScenarioError("a sweep has seeds of its own; use seeds, not a change of seed")
     chosen, wanted = _observers(observers, over)
     # in the order of the tables, whatever the order asked for; the RMSE is always among the measures
     scored = _chosen("quantity", quantities, QUANTITIES), _chosen("measure", ["rmse", *measures], MEASURES)

@@ -95,6 +95,8 @@ def sweep_planned(
         raise ScenarioError(f"{wanted.runs:,} runs make a result of {size / 1e9:.0f} GB; cut the sweep into several")
     compiled = compile_loop(wanted.prepared.loop, baseline)
     identity = wanted.identity(compiled.path.stem)
+    if out is not None and (not out.name or out.is_dir()):
+        raise ResultError(f"{str(out)!r} is no name for a result: it must be that of a file")
     if out is None:
         return _computed(wanted, compiled, identity, baseline, compute, progress)
     parts = Parts(out, identity, wanted.description(compiled.path.stem))

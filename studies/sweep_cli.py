@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .quote import escaped
+from .quote import escaped, shown
 from .terminal import bar, complain, counted, print_table, user_errors
 
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ def sweep(
     with _signals(out) as check, user_errors():
         from ..model.symbols import QUANTITIES
         from ..observers.score import MEASURES
-        from .axes import parse_axis
+        from .axes import DESIGNS, parse_axis
         from .files import writable_folder
         from .pace import Pace
         from .plan import MANY_RUNS, plan
@@ -71,9 +71,11 @@ def sweep(
         axes = dict(parse_axis(text) for text in over)
         if len(axes) < len(over):
             raise ScenarioError("a path is given to --over twice")
-        if zipped and design:
+        if zipped and design is not None:
             raise ScenarioError("--zip and --design exclude each other")
-        kind, _, samples = (design or ("zip:0" if zipped else "grid:0")).partition(":")
+        kind, colon, samples = (("zip:0" if zipped else "grid:0") if design is None else design).partition(":")
+        if design is not None and (kind not in DESIGNS or not colon):
+            raise ScenarioError(f"--design must be {' or '.join(f'{name}:N' for name in DESIGNS)}, not {shown(design)}")
         wanted = plan(
             scenario,
             axes,

@@ -130,6 +130,7 @@ def _command(case: dict, streams: dict[str, int]) -> int:
 def _become(case: dict, streams: dict[str, int]) -> None:
     """Turn this fork into the command of a case."""
     sys.argv = ["hillobs", *case["arguments"]]
+    signal.alarm(300)  # nothing here may take so long
     for name in case.get("deaf", ()):
         signal.signal(getattr(signal, name), signal.SIG_IGN)
     os.chdir(case["folder"])
@@ -160,13 +161,14 @@ def _redirect(number: int, name: str, where: str, otherwise: int) -> None:
 def _tell(report: int, case: dict) -> None:
     """Count the calls that have to do with the folder of the case, and strike at one; tell of them and of parts."""
     from hillobs.studies import sweep
+    from hillobs.studies.quote import escaped
 
     folder, at, near = case["folder"], case.get("at", 0), case.get("near", "")
     compute_part, count, inside = sweep.compute_part, 0, threading.local()
 
     def tell(*words: object) -> None:
         with contextlib.suppress(OSError):
-            os.write(report, (" ".join(map(str, words)) + "\n").encode())
+            os.write(report, (escaped(" ".join(map(str, words))) + "\n").encode())
 
     def computing(wanted, compiled, part, *rest):
         tell("part", part)

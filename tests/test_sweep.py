@@ -1,7 +1,5 @@
 """Sweeps: what they vary, what they find, and what they refuse."""
 
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -98,16 +96,3 @@ def test_a_result_of_another_sweep_is_not_overwritten(tmp_path: Path) -> None:
     with pytest.raises(ResultError, match="result of something else"):
         sweep("paper-clean", EPS, 2, changes=SHORT, out=tmp_path / "x.nc")
     assert (tmp_path / "x.nc").read_bytes() == before
-
-
-COMMAND = [
-    *(sys.executable, "-m", "hillobs", "sweep", "paper-noisy", "--no-figures"),
-    *("--over", "high_gain.eps_h=log:0.02:0.5:40"),
-]
-
-
-def test_a_very_large_sweep_must_be_meant() -> None:
-    command = [*COMMAND, "--over", "plant.m=lin:1:1.2:10000", "--seeds", "1000"]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert done.returncode == 2
-    assert "400,000,000 runs are more than 100,000,000; say --yes" in done.stderr

@@ -3,83 +3,21 @@
 Faults strike at counted calls, in forks of one process; `make chaos` strikes at all of them, in the system too.
 """
 
-import hashlib
 import os
 import re
 import signal
 import socket
 import subprocess
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
-from forks import COMMAND, PARTS, TINY, Forks, Result
-
-SWEEP = [*COMMAND, "--no-figures", "--workers", "1", "--out", "x.nc"]
-ERRORS = {"ENOSPC": "No space left on device", "EIO": "Input/output error", "EACCES": "Permission denied"}
-
+from forks import COMMAND, PARTS
+from survival import ERRORS, STOPPED, SWEEP, assert_a_signal_ends_both, assert_goes_on, assert_survives, kept, writes
 
 # one process for all of them
 pytestmark = pytest.mark.xdist_group("forks")
-
-
-@pytest.fixture(scope="module")
-def forks() -> Iterator[Forks]:
-    with Forks() as here:
-        yield here
-
-
-@pytest.fixture(scope="module")
-def untouched(forks: Forks, tmp_path_factory: pytest.TempPathFactory) -> tuple[bytes, list[str]]:
-    """The result of a sweep that nothing disturbs, and its calls in order."""
-    folder = tmp_path_factory.mktemp("untouched")
-    done = forks.run(folder, *SWEEP)
-    assert (done.code, done.err, done.computed) == (0, "", [0, 1, 2])
-    assert os.listdir(folder) == ["x.nc"]
-    return (folder / "x.nc").read_bytes(), done.calls
-
-
-def is_whole(path: Path) -> bool:
-    """Whether its seal is right, without the code under test."""
-    raw = path.read_bytes()
-    return raw[-40:] == b"hillobs " + hashlib.sha256(raw[:-40]).digest()
-
-
-def kept(folder: Path) -> list[int]:
-    """The parts in the folder; each is whole, as is the result if it is there."""
-    files = sorted((folder / "x.nc.parts").glob("*.part"))
-    assert all(is_whole(path) for path in [*files, *folder.glob("x.nc")] if path.is_file())
-    return [int(path.stem) for path in files]
-
-
-def assert_goes_on(forks: Forks, folder: Path, whole: bytes) -> Result:
-    """The same command again: what was kept is not computed again, the result is the same to the last byte."""
-    missing = [] if (folder / "x.nc").exists() else sorted(set(range(PARTS)) - set(kept(folder)))
-    again = forks.run(folder, *SWEEP)
-    assert (again.code, again.err) == (0, "")
-    assert again.computed == missing
-    assert (folder / "x.nc").read_bytes() == whole
-    assert os.listdir(folder) == ["x.nc"]
-    return again
-
-
-def assert_survives(forks: Forks, folder: Path, whole: bytes, **case: object) -> Result:
-    """A command with a fault, then without."""
-    folder.mkdir()
-    done = forks.run(folder, *SWEEP, **case)
-    assert "Traceback" not in done.err
-    assert len(done.err.splitlines()) <= 1
-    assert_goes_on(forks, folder, whole)
-    return done
-
-
-def writes(calls: list[str]) -> list[list[int]]:
-    """The calls, counted from 1, that write each part, and those that write the result and remove the parts."""
-    starts = [i for i, call in enumerate(calls, 1) if call.startswith("tempfile.mkstemp") and "plan" not in call]
-    end = 1 + max(i for i, call in enumerate(calls, 1) if call.startswith("os.rmdir"))
-    return [list(range(first, last)) for first, last in zip(starts, [*starts[1:], end], strict=True)]
 
 
 # kill −9
@@ -108,13 +46,6 @@ def test_killed_again_and_again_it_ends(forks, untouched, tmp_path) -> None:
 
 
 # signals
-
-
-STOPPED = {
-    "hillobs: stopped\n",
-    "hillobs: stopped; what is done is kept in x.nc.parts, the same command goes on\n",
-    "hillobs: stopped; the result is in x.nc, the same command draws it\n",
-}
 
 
 @pytest.mark.parametrize("first", range(6), ids="{} of 6".format)
@@ -153,39 +84,9 @@ def test_what_nohup_has_made_deaf_stays_so(forks, untouched, tmp_path) -> None:
     assert (tmp_path / "x.nc").read_bytes() == untouched[0]
 
 
-SLOW_COMPILER = """#!/bin/sh
-case "$*" in *--version*) exec c++ "$@";; esac
-echo $$ > {folder}/compiler
-kill -{name} {whom}
-exec sleep 100
-"""
-
-
 @pytest.mark.parametrize("name", ["TERM"])
 def test_a_signal_while_the_compiler_runs_ends_both(tmp_path: Path, name: str) -> None:
     assert_a_signal_ends_both(tmp_path, name)
-
-
-def assert_a_signal_ends_both(folder: Path, name: str) -> None:
-    script = folder / "slow"
-    script.write_text(SLOW_COMPILER.format(folder=folder, name=name, whom="$PPID"))
-    script.chmod(0o755)
-    environment = os.environ | {"CXX": str(script), "HILLOBS_CACHE": str(folder / "cache")}
-    command = [sys.executable, "-m", "hillobs", *SWEEP]
-    done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=60)
-    assert done.returncode == 128 + getattr(signal, f"SIG{name}")
-    assert done.stderr == "hillobs: stopped\n"
-    assert not is_running(int((folder / "compiler").read_text()))
-    assert not list((folder / "cache").glob("*.tmp"))
-
-
-def is_running(pid: int) -> bool:
-    try:
-        os.kill(pid, 0)
-    except ProcessLookupError:
-        return False
-    status = Path(f"/proc/{pid}/stat")
-    return not status.exists() or status.read_text().rpartition(")")[2].split()[0] != "Z"
 
 
 # disks
@@ -268,9 +169,12 @@ def test_who_comes_while_another_ends_reads_its_result(forks, untouched, tmp_pat
 # memory, descriptors, streams
 
 
+# of every quantity
+ALL = ["sweep", "paper-noisy", "--observer", "high_gain"]
+
+
 def test_too_little_memory_is_a_sentence_with_the_size(forks, tmp_path) -> None:
-    many = ["--seeds", "2000000"]
-    done = forks.run(tmp_path, *COMMAND[:2], *TINY, *many, limits={"RLIMIT_AS": forks.memory() + 300_000_000})
+    done = forks.run(tmp_path, *ALL, "--seeds", "2000000", limits={"RLIMIT_AS": forks.memory() + 300_000_000})
     assert done.code == 2
     assert done.err.startswith("hillobs: there is not enough memory. Unable to allocate ")
     assert "MiB" in done.err
@@ -278,7 +182,7 @@ def test_too_little_memory_is_a_sentence_with_the_size(forks, tmp_path) -> None:
 
 
 def test_a_result_beyond_every_file_is_refused(forks, tmp_path) -> None:
-    done = forks.run(tmp_path, *COMMAND[:2], *TINY, "--seeds", "20000000")
+    done = forks.run(tmp_path, *ALL, "--seeds", "20000000")
     assert done.code == 2
     assert done.err == "hillobs: 20,000,000 runs make a result of 6 GB; cut the sweep into several\n"
 
