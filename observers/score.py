@@ -68,7 +68,8 @@ def score(quantities: Sequence[str] = QUANTITIES, measures: Sequence[str] = MEAS
         error = counts * (value - truth[name])
         if "rmse" in measures:
             state = symbols("squares")
-            add(per_step, name, state, Symbols(squares=state.squares + flags.window * error**2))
+            # before the window an error whose square overflows is 0, not 0·∞
+            add(per_step, name, state, Symbols(squares=state.squares + (flags.window * error) ** 2))
         if "peak" in measures:
             state = symbols("peak")
             add(per_step, name, state, Symbols(peak=ca.fmax(state.peak, ca.fabs(error))))

@@ -16,7 +16,8 @@ from .quote import shown
 from .scenario import parse_number
 from .table import ScenarioError
 
-KINDS = ("grid", "zip", "latin", "sobol")
+DESIGNS = ("latin", "sobol")
+KINDS = ("grid", "zip", *DESIGNS)
 _SHAPES = ("lin", "log")
 # an axis with more values is a mistake
 _MOST_VALUES = 1_000_000
@@ -36,7 +37,7 @@ class Range:
         if not self.logarithmic:
             return self.low + share * (self.high - self.low)
         # the ends exactly, whatever the logarithm rounds
-        inside = np.exp(math.log(self.low) + share * math.log(self.high / self.low))
+        inside = np.exp(math.log(self.low) + share * (math.log(self.high) - math.log(self.low)))
         return np.where(share == 0, self.low, np.where(share == 1, self.high, inside))
 
 
@@ -85,7 +86,7 @@ def axes(over: Mapping[str, Values], kind: str = "grid", samples: int = 0, desig
     if kind not in KINDS:
         raise ScenarioError(f"unknown kind of sweep {shown(kind)}; there are {', '.join(KINDS)}")
     paths = tuple(over)
-    if kind in ("latin", "sobol"):
+    if kind in DESIGNS:
         return Axes(kind, paths, _design(over, kind, samples, design_seed))
     values = tuple(_spelled(path, wanted) for path, wanted in over.items())
     if kind == "zip" and len({len(v) for v in values}) > 1:
@@ -137,6 +138,8 @@ def _spelled(path: str, wanted: Values) -> Array:
 
 
 def _check(path: str, wanted: Range) -> None:
+    if not math.isfinite(wanted.high - wanted.low):
+        raise ScenarioError(f"{path}: the range from {wanted.low:g} to {wanted.high:g} is beyond all numbers")
     if wanted.logarithmic and not (wanted.low > 0 and wanted.high > 0):
         raise ScenarioError(f"{path}: a logarithmic range needs ends above 0, not {wanted.low:g} and {wanted.high:g}")
     if not wanted.low < wanted.high and wanted.count != 1:
@@ -148,6 +151,8 @@ def _design(over: Mapping[str, Values], kind: str, samples: int, seed: int) -> t
     for path, wanted in over.items():
         if not isinstance(wanted, Range):
             raise ScenarioError(f"{path}: a design needs a range, such as {path}=log:0.02:0.5")
+        if wanted.count:
+            raise ScenarioError(f"{path}: a design says itself how many samples; leave out the range's {wanted.count}")
         _check(path, wanted)
         ranges.append(wanted)
     if not ranges:

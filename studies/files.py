@@ -30,31 +30,32 @@ class ResultError(ValueError):
     """A result that cannot be written or read; the sentence says which and why."""
 
 
-def write_whole(path: Path, content: bytes) -> None:
-    """`content` under `path`, or nothing new there. ResultError names the file and the cause."""
-    write_pieces(path, [content])
+def write_whole(path: Path, content: bytes, folder: Path | None = None) -> None:
+    """`content` under `path`, or nothing new there. ResultError names the file and the cause.
+
+    folder: where it is written before it gets its name; beside `path` by default.
+    """
+    write_pieces(path, [content], folder)
 
 
-def write_pieces(path: Path, pieces: Iterable[bytes]) -> None:
-    """The pieces, one after the other, as one file under `path`, or nothing new there. ResultError as above."""
-    temporary = None
+def write_pieces(path: Path, pieces: Iterable[bytes], folder: Path | None = None) -> None:
+    """The pieces, one after the other, as one file under `path`, or nothing new there. As above."""
     try:
-        handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name[:40]}-")
-        with os.fdopen(handle, "wb") as file:
-            file.writelines(pieces)
-            file.flush()
-            os.fsync(file.fileno())
-        os.chmod(temporary, 0o666 & ~_umask())
-        os.replace(temporary, path)
-        temporary = None
+        handle, temporary = tempfile.mkstemp(dir=folder or path.parent, prefix=f".{path.name[:40]}-")
+        try:
+            with os.fdopen(handle, "wb") as file:
+                file.writelines(pieces)
+                file.flush()
+                os.fsync(file.fileno())
+            os.chmod(temporary, 0o666 & ~_umask())
+            os.replace(temporary, path)
+        except BaseException:  # a signal too leaves nothing half written
+            with contextlib.suppress(OSError):
+                os.unlink(temporary)
+            raise
         _sync_folder(path.parent)
     except OSError as error:
         raise ResultError(f"{path} cannot be written: {error.strerror}") from error
-    finally:
-        # also where the pieces come to no end
-        if temporary:
-            with contextlib.suppress(OSError):
-                os.unlink(temporary)
 
 
 def writable_folder(folder: Path) -> Path:
@@ -88,9 +89,9 @@ def save(dataset: xr.Dataset, folder: Path) -> list[Path]:
     return [folder / name for name in contents]
 
 
-def save_netcdf(dataset: xr.Dataset, path: Path) -> None:
-    """A Dataset as NetCDF, every variable compressed, with a seal behind it."""
-    write_whole(path, _netcdf(dataset))
+def save_netcdf(dataset: xr.Dataset, path: Path, folder: Path | None = None) -> None:
+    """A Dataset as NetCDF, every variable compressed, with a seal behind it; `folder` as for `write_whole`."""
+    write_whole(path, _netcdf(dataset), folder)
 
 
 def load(path: Path) -> xr.Dataset:

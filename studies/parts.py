@@ -6,6 +6,7 @@ import contextlib
 import fcntl
 import json
 import os
+import re
 import shutil
 import socket
 from collections.abc import Iterator, Mapping
@@ -21,6 +22,8 @@ from .reading import cause, read_whole
 # a part is some thousand numbers
 _LARGEST_PART = 1_000_000_000
 _LARGEST_PLAN = 1_000_000_000
+# one name per part, so that none is found twice
+_PART = re.compile(r"(\d{8}|[1-9]\d{8,})\.part", re.ASCII)
 
 
 class Parts:
@@ -34,12 +37,12 @@ class Parts:
     def __enter__(self) -> Parts:
         """Lock the folder. ResultError if another process has it, or it holds parts of another sweep."""
         try:
-            self.folder.mkdir(exist_ok=True)
-            self._lock = os.open(self.folder / "lock", os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
-        except OSError as error:
+            self._lock = self._locked()
+        except ResultError:
+            raise
+        except (OSError, ValueError) as error:
             raise ResultError(f"{self.folder} cannot be written to: {cause(error)}") from error
         try:
-            self._take()
             self._compare()
             self._sweep()
         except BaseException:
@@ -77,20 +80,44 @@ class Parts:
         """Remove the folder, once the result is there."""
         shutil.rmtree(self.folder, ignore_errors=True)
 
+    def remove_left(self) -> None:
+        """Remove the folder of a process that was killed between its result and the end."""
+        with contextlib.suppress(ResultError, OSError):
+            if self.folder.is_dir():
+                with self:
+                    self.remove()
+
     def _path(self, part: int) -> Path:
         return self.folder / f"{part:08d}.part"
 
     def _head(self, part: int) -> bytes:
         return f"hillobs sweep {self._identity} part {part}".encode()
 
-    def _take(self) -> None:
+    def _locked(self) -> int:
+        """A descriptor of the lock in the folder, which is ours while it is open."""
+        path = self.folder / "lock"
+        while True:
+            self.folder.mkdir(exist_ok=True)
+            lock = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
+            try:
+                self._take(lock)
+                # who has just finished has removed the folder under us
+                with contextlib.suppress(FileNotFoundError):
+                    if os.path.samestat(os.fstat(lock), os.stat(path)):
+                        return lock
+            except BaseException:
+                os.close(lock)
+                raise
+            os.close(lock)
+
+    def _take(self, lock: int) -> None:
         try:
-            fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError as error:
-            owner = os.pread(self._lock, 200, 0).decode(errors="replace").strip() or "another process"
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError as error:
+            owner = os.pread(lock, 200, 0).decode(errors="replace").strip() or "another process"
             raise ResultError(f"{self._result} is being computed by {owner}") from error
-        os.ftruncate(self._lock, 0)
-        os.pwrite(self._lock, f"process {os.getpid()} on {socket.gethostname()}".encode(), 0)
+        os.ftruncate(lock, 0)
+        os.pwrite(lock, f"process {os.getpid()} on {socket.gethostname()}".encode(), 0)
 
     def _compare(self) -> None:
         """Another sweep's parts are not mixed with ours."""
@@ -113,12 +140,19 @@ class Parts:
 
     def _sweep(self) -> None:
         """Remove what a killed process left half written; nobody else writes here while we have the lock."""
-        for path in self.folder.glob(".*"):
-            with contextlib.suppress(OSError):
-                path.unlink()
+        for name in self._names():
+            if name.startswith("."):
+                with contextlib.suppress(OSError):
+                    os.unlink(self.folder / name)
 
     def __iter__(self) -> Iterator[int]:
         """The parts that have a file, whole or not."""
-        for path in sorted(self.folder.glob("*.part")):
-            if path.stem.isdigit():
-                yield int(path.stem)
+        for name in sorted(self._names()):
+            if found := _PART.fullmatch(name):
+                yield int(found[1])
+
+    def _names(self) -> list[str]:
+        try:
+            return os.listdir(self.folder)
+        except OSError as error:
+            raise ResultError(f"{self.folder} cannot be read: {cause(error)}") from error

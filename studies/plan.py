@@ -7,6 +7,7 @@ import itertools
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from numbers import Integral
 from pathlib import Path
 
 import numpy as np
@@ -22,7 +23,7 @@ from .axes import Axes, Values, axes, combinations
 from .prepare import BASELINE, Prepared, prepare, time_grid
 from .quote import shown
 from .scenario import Value, checked_number
-from .table import RUN, ScenarioError, block_paths
+from .table import ScenarioError, block_paths
 
 # runs that are computed, kept and counted together: a few seconds of one core
 PART = 512
@@ -30,6 +31,8 @@ PART = 512
 _LAYOUT = 3
 # from here on a sweep is asked for twice
 MANY_RUNS = 100_000_000
+# more of them make no result that fits into a file
+_MOST_SEEDS = 100_000_000
 # numbers that have to fit together are checked for every combination, if there are no more than these
 _MOST_CHECKS = 200_000
 # the last words of paths whose numbers limit each other
@@ -82,7 +85,7 @@ class Plan:
 
     def on_grids(self, runs: NDArray[np.int64]) -> Iterator[tuple[Grid, NDArray[np.intp]]]:
         """The time grids of some runs, and which of them run on each, counted within `runs`."""
-        timed = [i for i, path in enumerate(self.axes.paths) if path in RUN]
+        timed = [i for i, path in enumerate(self.axes.paths) if self.prepared.table.is_run(path)]
         points = self.axes.at(runs // len(self.seeds))[:, timed]
         kinds, which = np.unique(points, axis=0, return_inverse=True)
         for kind, values in enumerate(kinds.tolist()):
@@ -91,7 +94,7 @@ class Plan:
 
     def grids(self) -> list[Grid]:
         """All time grids of the sweep."""
-        timed = [path for path in self.axes.paths if path in RUN]
+        timed = [path for path in self.axes.paths if self.prepared.table.is_run(path)]
         return [self._grid(given) for given in combinations(self.axes, timed)]
 
     def identity(self, library: str) -> str:
@@ -111,17 +114,15 @@ class Plan:
         }
 
     def _grid(self, given: Mapping[str, float]) -> Grid:
-        numbers = {**self.prepared.scenario.given, **given}
+        numbers = {**self.prepared.scenario.given, **self.prepared.table.spread(given)}
         return time_grid(lambda path: self.prepared.table.value(path, numbers))
 
     def reach(self, block: Block) -> list[tuple[int, list[int]]]:
         """For each axis, the places among the numbers of `block` that it sets."""
         table, given = self.prepared.table, self.prepared.scenario.given
         # a number that no one gives marks what follows from each axis
-        marks = {path: np.nextafter(np.inf, 0) / (i + 2) for i, path in enumerate(self.axes.paths)}
-        marked = dict(given)
-        for path in sorted(marks, key=lambda path: -len(table.expand(path))):
-            marked |= dict.fromkeys(table.expand(path), float(marks[path]))
+        marks = {path: float(np.nextafter(np.inf, 0)) / (i + 2) for i, path in enumerate(self.axes.paths)}
+        marked = {**given, **table.spread(marks)}
         found = [table.value(path, marked) for path in block_paths(block)]
         reach = [(i, [at for at, value in enumerate(found) if value == mark]) for i, mark in enumerate(marks.values())]
         return [(i, places) for i, places in reach if places]
@@ -139,6 +140,8 @@ def plan(
     measures: Sequence[str] = MEASURES,
 ) -> Plan:
     """Everything of a sweep that can be wrong before it starts. ScenarioError says what is."""
+    if "seed" in (changes or {}):
+        raise ScenarioError("a sweep has seeds of its own; use seeds, not a change of seed")
     chosen, wanted = _observers(observers, over)
     # in the order of the tables, whatever the order asked for; the RMSE is always among the measures
     scored = _chosen("quantity", quantities, QUANTITIES), _chosen("measure", ["rmse", *measures], MEASURES)
@@ -171,7 +174,7 @@ def _check_effect(wanted: Plan) -> None:
     running = [b for b in loop.blocks if b not in loop.observers or b.name in wanted.observers]
     moved = {axis for block in running for axis, _ in wanted.reach(block)}
     for i, path in enumerate(wanted.axes.paths):
-        if i not in moved and not all(member in RUN for member in wanted.prepared.table.expand(path)):
+        if i not in moved and not wanted.prepared.table.is_run(path):
             raise ScenarioError(f"{path} changes nothing here: nothing that runs and is scored takes it")
 
 
@@ -179,13 +182,14 @@ def _check_together(
     wanted: Plan, source: str | Path, observers: Sequence[str | Block] | None, changes: Mapping[str, Value]
 ) -> None:
     """Each combination of numbers that limit each other must be one that could run."""
-    paths = [p for p in wanted.axes.paths if p in RUN or p.rpartition(".")[2] in _TOGETHER]
+    table = wanted.prepared.table
+    paths = [p for p in wanted.axes.paths if table.is_run(p) or p.rpartition(".")[2] in _TOGETHER]
     every = list(itertools.islice(combinations(wanted.axes, paths), _MOST_CHECKS + 1)) if paths else []
     if len(every) > _MOST_CHECKS:
         raise ScenarioError(f"{', '.join(paths)} take more than {_MOST_CHECKS:,} combinations, too many to check")
     for values in every:
         try:
-            prepare(source, observers, {**changes, **values})
+            prepare(source, observers, {**changes, **table.spread(values)})
         except ScenarioError as error:
             where = ", ".join(f"{path} = {value:g}" for path, value in values.items())
             raise ScenarioError(f"at {where}: {error}") from error
@@ -206,11 +210,15 @@ def _observers(
 
 
 def _seeds(given: int | Sequence[int]) -> Seeds:
-    values = list(range(given)) if isinstance(given, int) else list(given)
-    if not values:
+    if (count := given if isinstance(given, int) else len(given)) < 1:
         raise ScenarioError("a sweep needs at least one seed")
+    if count > _MOST_SEEDS:
+        raise ScenarioError(f"a sweep has no more than {_MOST_SEEDS:,} seeds, not {count:,}")
+    if isinstance(given, int):
+        return np.arange(count, dtype=np.uint64)
+    values = list(given)
+    if any(isinstance(s, bool) or not isinstance(s, Integral) or not 0 <= s < 2**64 for s in values):
+        raise ScenarioError("seeds must be whole numbers from 0 to 2⁶⁴ − 1")
     if len(set(values)) < len(values):
         raise ScenarioError("a seed is there twice")
-    if any(isinstance(seed, bool) or not 0 <= seed < 2**64 for seed in values):
-        raise ScenarioError("seeds must be whole numbers from 0 to 2⁶⁴ − 1")
     return np.array(values, dtype=np.uint64)

@@ -117,9 +117,7 @@ def scenario(name: str, content: Mapping[str, object], changes: Mapping[str, Val
                 seed = _seed(value)
             elif not is_choice(path):
                 numbers[path] = checked_number(path, value, table)
-        # a group such as `muscle.k` first, so that `muscle1.k` of the same layer wins
-        for path in sorted(numbers, key=lambda path: -len(table.expand(path))):
-            given |= dict.fromkeys(table.expand(path), numbers[path])
+        given |= table.spread(numbers)
     return Scenario(name, description, seed, choices_in(content, changes), given)
 
 

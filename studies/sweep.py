@@ -7,7 +7,7 @@ import os
 import sys
 import threading
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from pathlib import Path
 
@@ -33,8 +33,9 @@ from .table import ScenarioError
 
 # runs done so far, of all; runs of an earlier start count as done at once
 Progress = Callable[[int, int], None]
-# what computes parts, in any order
-Compute = Callable[[Plan, CompiledLoop, Iterable[int]], Iterator[tuple[int, Array]]]
+# what computes parts, in any order; once closed it computes no more
+Computed = Generator[tuple[int, Array], None, None]
+Compute = Callable[[Plan, CompiledLoop, Iterable[int]], Computed]
 
 # a larger result belongs into several files
 _LARGEST_RESULT = 4e9
@@ -90,43 +91,61 @@ def sweep_planned(
     progress: Progress = lambda done, all_runs: None,
 ) -> xr.Dataset:
     """Run what `plan` has checked, keeping parts and result at `out` if it is given."""
-    columns = width(wanted)
-    if (size := wanted.runs * columns * 8) > _LARGEST_RESULT:
+    if (size := wanted.runs * width(wanted) * 8) > _LARGEST_RESULT:
         raise ScenarioError(f"{wanted.runs:,} runs make a result of {size / 1e9:.0f} GB; cut the sweep into several")
     compiled = compile_loop(wanted.prepared.loop, baseline)
     identity = wanted.identity(compiled.path.stem)
-    if out is not None and out.exists():
-        return _complete(out, identity, wanted, progress)
+    if out is not None and (not out.name or out.is_dir()):
+        raise ResultError(f"{str(out)!r} is no name for a result: it must be that of a file")
+    if out is None:
+        return _computed(wanted, compiled, identity, baseline, compute, progress)
+    parts = Parts(out, identity, wanted.description(compiled.path.stem))
+    if _is_there(out):
+        found = _complete(out, identity, wanted, progress)
+        parts.remove_left()
+        return found
+    with parts:
+        if _is_there(out):  # finished by another process just now
+            parts.remove()
+            return _complete(out, identity, wanted, progress)
+        result = _computed(wanted, compiled, identity, baseline, compute, progress, parts)
+        save_netcdf(result, out, parts.folder)
+        parts.remove()
+        return result
+
+
+def _computed(
+    wanted: Plan,
+    compiled: CompiledLoop,
+    identity: str,
+    baseline: str,
+    compute: Compute,
+    progress: Progress,
+    parts: Parts | None = None,
+) -> xr.Dataset:
+    """The result; what `parts` has whole is read, what it has not is computed and kept there."""
+    columns = width(wanted)
     numbers = np.full((wanted.runs, columns), np.nan)
-    missing, done = list(range(wanted.parts)), 0
-    with contextlib.ExitStack() as stack:
-        parts = None
-        if out is not None:
-            parts = stack.enter_context(Parts(out, identity, wanted.description(compiled.path.stem)))
-            if out.exists():  # finished by another process just now
-                parts.remove()
-                return _complete(out, identity, wanted, progress)
-            for part in parts:
-                if part < wanted.parts and (kept := parts.read(part)) is not None:
-                    numbers[wanted.members(part)] = kept.reshape(-1, columns)
-                    missing.remove(part)
-                    done += len(wanted.members(part))
-        if parts is not None and parts.damaged:
-            warnings.warn(
-                f"{parts.folder}: {parts.damaged} damaged parts are computed again", SweepWarning, stacklevel=3
-            )
-        progress(done, wanted.runs)
-        for part, computed in compute(wanted, compiled, missing):
+    whole = {}
+    for part in parts or ():
+        if part < wanted.parts and parts and (kept := parts.read(part)) is not None:
+            whole[part] = len(wanted.members(part))
+            numbers[wanted.members(part)] = kept.reshape(-1, columns)
+    if parts and parts.damaged:
+        words = "1 damaged part is" if parts.damaged == 1 else f"{parts.damaged} damaged parts are"
+        warnings.warn(f"{parts.folder}: {words} computed again", SweepWarning, stacklevel=4)
+    done = sum(whole.values())
+    progress(done, wanted.runs)
+    missing = [part for part in range(wanted.parts) if part not in whole]
+    # its threads end with it, however it ends
+    with contextlib.closing(compute(wanted, compiled, missing)) as found:
+        for part, computed in found:
             numbers[wanted.members(part)] = computed
-            if parts is not None:
+            if parts:
                 parts.write(part, computed)
             done += len(computed)
             progress(done, wanted.runs)
-        result = sweep_dataset(wanted, numbers, identity, compiled, baseline)
-        if parts is not None and out is not None:
-            save_netcdf(result, out)
-            parts.remove()
-    return result
+    return sweep_dataset(wanted, numbers, identity, compiled, baseline)
 
 
 def on_threads(workers: int | None = None) -> Compute:
@@ -135,7 +154,7 @@ def on_threads(workers: int | None = None) -> Compute:
     if count < 1:
         raise ScenarioError(f"workers must be at least 1, not {count}")
 
-    def compute(wanted: Plan, compiled: CompiledLoop, parts: Iterable[int]) -> Iterator[tuple[int, Array]]:
+    def compute(wanted: Plan, compiled: CompiledLoop, parts: Iterable[int]) -> Computed:
         stop, waiting = threading.Event(), iter(parts)
 
         def check(_: float) -> None:
@@ -146,25 +165,34 @@ def on_threads(workers: int | None = None) -> Compute:
             return part, compute_part(wanted, compiled, part, check)
 
         with ThreadPoolExecutor(count) as pool:
-            running: set[Future[tuple[int, Array]]] = set()
+            running: list[Future[tuple[int, Array]]] = []
             try:
                 while True:
                     # no more than twice the threads: a sweep of a million parts has no million futures
                     for part in waiting:
-                        running.add(pool.submit(work, part))
+                        running.append(_submitted(pool, work, part))
                         if len(running) >= 2 * count:
                             break
                     if not running:
                         return
-                    finished, running = wait(running, return_when=FIRST_COMPLETED)
-                    for future in finished:
-                        yield future.result()
+                    finished = wait(running, return_when=FIRST_COMPLETED).done
+                    first, running = running, [future for future in running if future not in finished]
+                    yield from (future.result() for future in first if future in finished)
             finally:
                 stop.set()
                 for future in running:
                     future.cancel()
 
     return compute
+
+
+def _submitted(
+    pool: ThreadPoolExecutor, work: Callable[[int], tuple[int, Array]], part: int
+) -> Future[tuple[int, Array]]:
+    try:
+        return pool.submit(work, part)
+    except RuntimeError as error:  # a limit of the system, or of its memory
+        raise ScenarioError("the system refuses another thread; use fewer workers") from error
 
 
 def _cores() -> int:
@@ -201,6 +229,13 @@ def compute_part(
 
 def _time(failed: Array | np.ndarray[tuple[int, ...], np.dtype[np.int64]], h: float) -> Array:
     return np.where(failed < 0, np.nan, failed * h)
+
+
+def _is_there(out: Path) -> bool:
+    try:
+        return out.exists()
+    except OSError as error:
+        raise ResultError(f"{out} cannot be read: {error.strerror}") from error
 
 
 def _complete(out: Path, identity: str, wanted: Plan, progress: Progress) -> xr.Dataset:

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import signal
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING
 
 import click
 
-from .quote import escaped
+from .quote import escaped, shown
 from .terminal import bar, complain, counted, print_table, user_errors
 
 if TYPE_CHECKING:
@@ -55,10 +56,10 @@ def sweep(
     yes: bool,
 ) -> None:
     """Run SCENARIO for all values of some parameters and many seeds; print where the errors are smallest."""
-    with user_errors():
+    with _signals(out) as check, user_errors():
         from ..model.symbols import QUANTITIES
         from ..observers.score import MEASURES
-        from .axes import parse_axis
+        from .axes import DESIGNS, parse_axis
         from .files import writable_folder
         from .pace import Pace
         from .plan import MANY_RUNS, plan
@@ -70,9 +71,11 @@ def sweep(
         axes = dict(parse_axis(text) for text in over)
         if len(axes) < len(over):
             raise ScenarioError("a path is given to --over twice")
-        if zipped and design:
+        if zipped and design is not None:
             raise ScenarioError("--zip and --design exclude each other")
-        kind, _, samples = (design or ("zip:0" if zipped else "grid:0")).partition(":")
+        kind, colon, samples = (("zip:0" if zipped else "grid:0") if design is None else design).partition(":")
+        if design is not None and (kind not in DESIGNS or not colon):
+            raise ScenarioError(f"--design must be {' or '.join(f'{name}:N' for name in DESIGNS)}, not {shown(design)}")
         wanted = plan(
             scenario,
             axes,
@@ -88,9 +91,14 @@ def sweep(
             raise ScenarioError(f"{wanted.runs:,} runs are more than {MANY_RUNS:,}; say --yes if they are meant")
         compute = on_threads(None if workers is None else _whole("--workers", workers, 1))
         path = None if out is None else writable_folder(Path(out).parent) / Path(out).name
-        with _signals(path), counted("runs", wanted.runs) as advance:
+        with counted("runs", wanted.runs) as advance:
             pace = Pace(advance)
-            dataset = sweep_planned(wanted, path, compute, baseline, pace)
+
+            def progress(done: int, of: int) -> None:
+                check()
+                pace(done, of)
+
+            dataset = sweep_planned(wanted, path, compute, baseline, progress)
         for note in (*pace.sentences(), *notes(dataset)):
             click.echo(note)
         print_table(optimum(dataset))
@@ -122,28 +130,39 @@ def _whole(option: str, text: str, least: int) -> int:
 
 
 @contextlib.contextmanager
-def _signals(out: Path | None) -> Iterator[None]:
-    """Ctrl-C, TERM and HUP end the sweep between two parts' slices, with a sentence and 128 + the signal's number."""
+def _signals(out: str | None) -> Iterator[Callable[[], None]]:
+    """Ctrl-C, TERM and HUP end the command with a sentence and 128 + the signal's number; yields a check for one."""
+    came: list[int] = []
 
     def end(number: int, frame: FrameType | None) -> None:
-        raise _EndedError(number)
+        came.append(number)
+        if len(came) == 1:  # the next ones do not disturb what the first has begun
+            raise _EndedError
 
-    watched = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+    def check() -> None:
+        if came:  # what it raised was lost, in a destructor of some library
+            raise _EndedError
+
+    # what nohup or a shell has made deaf stays so
+    watched = [n for n in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP) if signal.getsignal(n) != signal.SIG_IGN]
     before = {number: signal.signal(number, end) for number in watched}
     try:
-        yield
-    except _EndedError as ended:
-        kept = f"; what is done is kept in {out}.parts, the same command goes on" if out else ""
-        complain(f"stopped{kept}")
-        sys.exit(_INTERRUPTED + ended.number)
+        yield check
+    except _EndedError:
+        complain(f"stopped{_kept(out)}")
+        sys.exit(_INTERRUPTED + came[0])
     finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
+        if not came:
+            for number, handler in before.items():
+                signal.signal(number, handler)
 
 
-class _EndedError(Exception):
-    """A signal has come."""
+def _kept(out: str | None) -> str:
+    """Where the work of a sweep that was stopped is."""
+    if out and os.path.isdir(f"{out}.parts"):
+        return f"; what is done is kept in {out}.parts, the same command goes on"
+    return f"; the result is in {out}, the same command draws it" if out and os.path.isfile(out) else ""
 
-    def __init__(self, number: int) -> None:
-        super().__init__(number)
-        self.number = number
+
+class _EndedError(BaseException):
+    """A signal has come; no `except Exception` on the way may keep it."""

@@ -56,6 +56,17 @@ class Table:
                     return found
         raise ScenarioError(f"unknown path {shown(path)}; the nearest are {', '.join(self.nearest(path))}")
 
+    def spread(self, values: Mapping[str, float]) -> dict[str, float]:
+        """The values by the paths that theirs stand for; `muscle1.k` wins over `muscle.k`."""
+        result: dict[str, float] = {}
+        for path in sorted(values, key=lambda path: -len(self.expand(path))):
+            result |= dict.fromkeys(self.expand(path), values[path])
+        return result
+
+    def is_run(self, path: str) -> bool:
+        """Whether it is a number of the run itself, which decides the time grid."""
+        return self.expand(path)[0] in RUN
+
     def nearest(self, path: str) -> list[str]:
         """Paths that look like `path`, best first; if none does, those of the same table."""
         every = [*self.paths, *self.groups()]

@@ -79,6 +79,9 @@ def user_errors() -> Iterator[None]:
     except (ScenarioError, ResultError, RecordingError, BlockError) as error:
         complain(str(error))
         sys.exit(USAGE)
+    except MemoryError as error:  # NumPy says how much it asked for
+        complain(f"there is not enough memory. {error}".rstrip(". "))
+        sys.exit(USAGE)
     except BuildError as error:  # the compiler's own words take several lines
         click.echo("hillobs: " + "\n".join(map(escaped, str(error).splitlines())), err=True)
         sys.exit(USAGE)

@@ -1,13 +1,18 @@
 """Every worker shares one cache of compiled libraries, apart from the user's."""
 
 import os
+import sys
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
 from hypothesis import settings
 
+from forks import Forks
 from hillobs.model.block import Block, Parameter, Symbols, symbols
 from hillobs.observers.ports import ESTIMATES
+from hillobs.studies import cli
+from survival import SWEEP
 
 # a slow machine is no failure
 settings.register_profile("here", deadline=None)
@@ -20,6 +25,43 @@ def _one_cache(tmp_path_factory: pytest.TempPathFactory) -> None:
     base = tmp_path_factory.getbasetemp()
     shared = base.parent if os.environ.get("PYTEST_XDIST_WORKER") else base
     os.environ.setdefault("HILLOBS_CACHE", str(Path(shared) / "cache"))
+
+
+@pytest.fixture
+def command(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> Callable[..., tuple[int, str, str]]:
+    """`hillobs ARGUMENTS` in an empty folder, in this process: exit code, what it prints, what it complains of."""
+    monkeypatch.chdir(tmp_path)
+
+    def run(*arguments: str) -> tuple[int, str, str]:
+        monkeypatch.setattr(sys, "argv", ["hillobs", *arguments])
+        code = 0
+        try:
+            cli.main()
+        except SystemExit as end:
+            code = int(end.code or 0)
+        captured = capsys.readouterr()
+        return code, captured.out, captured.err
+
+    return run
+
+
+@pytest.fixture(scope="session")
+def forks() -> Iterator[Forks]:
+    """Commands in forks of one process."""
+    with Forks() as here:
+        yield here
+
+
+@pytest.fixture(scope="session")
+def untouched(forks: Forks, tmp_path_factory: pytest.TempPathFactory) -> tuple[bytes, list[str]]:
+    """The result of a sweep that nothing disturbs, and its calls in order."""
+    folder = tmp_path_factory.mktemp("untouched")
+    done = forks.run(folder, *SWEEP)
+    assert (done.code, done.err, done.computed) == (0, "", [0, 1, 2])
+    assert os.listdir(folder) == ["x.nc"]
+    return (folder / "x.nc").read_bytes(), done.calls
 
 
 @pytest.fixture

@@ -8,28 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from hillobs.studies import cli
-
 SHORT = ["--set", "duration=0.2", "--set", "score.start=0.1"]
-
-
-def hillobs(
-    *arguments: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> tuple[int, str, str]:
-    monkeypatch.setattr(sys, "argv", ["hillobs", *arguments])
-    code = 0
-    try:
-        cli.main()
-    except SystemExit as end:
-        code = int(end.code or 0)
-    captured = capsys.readouterr()
-    return code, captured.out, captured.err
-
-
-@pytest.fixture
-def command(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path):
-    monkeypatch.chdir(tmp_path)
-    return lambda *arguments: hillobs(*arguments, monkeypatch=monkeypatch, capsys=capsys)
 
 
 def test_without_an_argument_the_papers_two_are_run(command, tmp_path: Path) -> None:

@@ -104,8 +104,10 @@ def _Phi_S_inv_near(ys: Sequence[ca.SX], p: Symbols) -> tuple[list[ca.SX], ca.SX
         series = s + w * (1 + w * (-c2 + w * (b3 + w * (b4 + w * b5))))
         results.append(p.L_slack + p.toe * series + ca.fmax(y - p.F_toe, 0) / p.k)
         doubt = ca.fmax(doubt, ca.fabs(w))
+    # |w| ≤ d min(s, 1/|c₂|, 1/√|c₃|): a curve that is nearly flat bends within less
+    bend = ca.fmax(1, s * s * ca.fmax(square, ca.fabs(c3)))
     # also where nothing is a number
-    return results, ca.logic_not(doubt <= _SERIES * s)
+    return results, ca.logic_not(doubt * doubt * bend <= (_SERIES * s) ** 2)
 
 
 def _Phi_P(L_C: ca.SX, p: Symbols) -> ca.SX:
