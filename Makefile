@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 CODE := model observers codegen studies hillobs tests benchmarks
 
 .DEFAULT_GOAL := help
-.PHONY: help sim sweep test check format lint types observability chaos bench clean
+.PHONY: help sim sweep estimate test check format lint types observability chaos bench clean
 
 help: ## show this help
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 16
@@ -24,6 +24,11 @@ sim: $(VENV)/.installed ## both of the paper's simulations, with all figures, in
 
 sweep: $(VENV)/.installed ## error over ε_h, δ_s and δ_a, with and without noise, and a map, into results/
 	$(BIN)/python -m hillobs.studies.sweep_study
+
+estimate: $(VENV)/.installed ## activations from the shipped recording, scored, with a sheet, into results/estimate/
+	$(BIN)/hillobs estimate studies/recordings/dgf_smooth_noisy.csv.gz --muscles studies/recordings/dgf_smooth.toml \
+		--observer high_gain --observer high_gain_3 --observer sliding_mode --observer adaptive_sliding_mode \
+		--out results/estimate
 
 test: $(VENV)/.installed ## all tests
 	$(BIN)/python -m pytest

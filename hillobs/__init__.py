@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from .studies.conformance import conformance
+    from .studies.estimate import estimate
     from .studies.observability import observability
     from .studies.simulate import simulate
     from .studies.sweep import sweep
@@ -16,6 +17,7 @@ __version__ = version("hillobs")
 
 _PLACES = {
     "conformance": ".studies.conformance",
+    "estimate": ".studies.estimate",
     "observability": ".studies.observability",
     "simulate": ".studies.simulate",
     "sweep": ".studies.sweep",
@@ -29,4 +31,4 @@ def __getattr__(name: str) -> object:
     return getattr(importlib.import_module(_PLACES[name], __name__), name)
 
 
-__all__ = ["__version__", "conformance", "observability", "simulate", "sweep"]
+__all__ = ["__version__", "conformance", "estimate", "observability", "simulate", "sweep"]

@@ -48,7 +48,10 @@ FOLLOWERS: Mapping[str, Callable[[bool], Block]] = {
 
 def label(name: str) -> str:
     """What tables and figures call an observer."""
-    return OBSERVERS[name].label if name in OBSERVERS else name
+    return OBSERVERS[name].label if name in OBSERVERS else _LABELS.get(name, name)
+
+
+_LABELS = {"high_gain_3": "HGO3"}
 
 
 _ACTIVATIONS = ("a1_hat", "a2_hat")

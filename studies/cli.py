@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, TextIO
 
 import click
 
+from .estimate_cli import estimate
 from .quote import escaped
 from .sweep_cli import sweep
 from .terminal import USAGE, bar, complain, print_table, user_errors
@@ -56,6 +57,7 @@ def commands() -> None:
     """Observers for a pair of Hill muscles: states, unknown inputs and activations."""
 
 
+commands.add_command(estimate)
 commands.add_command(sweep)
 
 

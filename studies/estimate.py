@@ -1,0 +1,165 @@
+"""What a pair of muscles was doing, from a recording of position and tendon forces."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from ..codegen.filters import CompiledBank
+from ..codegen.library import Array
+from ..model.symbols import hat
+from ..observers import FOLLOWERS
+from .estimate_dataset import estimate_dataset
+from .follow import compiled_bank, curves_of, followed, lengths_block, tendon_lengths
+from .gain_rule import gains
+from .gaps import bridged, refuse_impossible_forces
+from .lines import RecordingError
+from .muscle_file import MusclePair, read_muscles
+from .quote import shown
+from .recorded_sizes import Sizes, first_pass
+from .recording import Recording, read_recording
+from .scales import Scales, scales
+from .scenario import Value, checked_number
+from .substeps import substeps
+from .table import ScenarioError, Table, table
+
+# periods of the muscles' own time 1/v_max between samples beyond which nothing can be followed
+_LONGEST_PERIOD = 0.7
+DEFAULT_OBSERVERS = ("high_gain", "sliding_mode", "adaptive_sliding_mode")
+
+Progress = Callable[[float], None]
+
+
+@dataclass(frozen=True, eq=False)
+class Followed:
+    """One observer's outputs and guards by name, each (n), dimensionless, and how it was run."""
+
+    y: Mapping[str, Array]
+    guards: Mapping[str, Array]
+    gains: Mapping[str, float]
+    substeps: int
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """A recording in the paper's variables: times τ (n), measurements y (n × 3), tendon lengths z (n × 2)."""
+
+    recording: Recording
+    pair: MusclePair
+    scales: Scales
+    tau: Array
+    y: Array
+    z: Array
+    gaps: NDArray[np.bool_]
+    sizes: Sizes
+    corrected: bool
+
+    @property
+    def period(self) -> float:
+        """The usual time from sample to sample, in τ."""
+        return float(np.median(np.diff(self.tau)))
+
+
+def estimate(
+    recording: str | Path | Recording,
+    muscles: str | Path | MusclePair,
+    observers: Sequence[str] | str | None = None,
+    mapping: Mapping[str, str] | None = None,
+    corrected: bool = True,
+    changes: Mapping[str, Value] | None = None,
+    progress: Progress = lambda done: None,
+) -> xr.Dataset:
+    """Follow a recording with observers and return velocities, lengths, activations and disturbance in SI.
+
+    recording: CSV, .sto or .mot, also gzipped, with time, position, force_1, force_2; or one that was read.
+    muscles: a muscle file, or one that was read. observers: names of FOLLOWERS; the paper's three by default.
+    mapping: name → column of the file, `column[unit]`. corrected: the sliding mode observers' layers are corrected.
+    changes: gains by hand, path → value, such as {"high_gain.eps_h": 0.05}; all others follow the rule, docs/gains.md.
+    The Dataset has the dimensions time, observer, muscle. RecordingError, ScenarioError for what is wrong with the
+    files, BuildError if nothing can be compiled.
+    """
+    chosen = [observers] if isinstance(observers, str) else list(dict.fromkeys(observers or DEFAULT_OBSERVERS))
+    for name in chosen:
+        if name not in FOLLOWERS:
+            raise ScenarioError(f"unknown observer {shown(name)}; there are {', '.join(FOLLOWERS)}")
+    pair = muscles if isinstance(muscles, MusclePair) else read_muscles(muscles)
+    read = recording if isinstance(recording, Recording) else read_recording(recording, mapping)
+    compiled = compiled_bank(curves_of(pair), corrected)
+    every = table(compiled.bank.observers)
+    by_hand = _checked(changes or {}, every, chosen)
+    case = _case(read, pair, compiled, every, corrected)
+    results = {}
+    for i, name in enumerate(chosen):
+
+        def share(done: float, before: int = i) -> None:
+            progress((before + done) / len(chosen))
+
+        results[name] = _follow(case, compiled, every, name, by_hand, share)
+    return estimate_dataset(case, results, str(compiled.path.stem))
+
+
+def _checked(changes: Mapping[str, Value], every: Table, chosen: Sequence[str]) -> dict[str, float]:
+    given: dict[str, float] = {}
+    for path, value in changes.items():
+        for member in every.expand(path):
+            if member.partition(".")[0] not in chosen:
+                raise ScenarioError(f"{path} is no gain of {', '.join(chosen)}; the muscle file has all other numbers")
+            given[member] = checked_number(member, value, every)
+    return given
+
+
+def _case(read: Recording, pair: MusclePair, compiled: CompiledBank, every: Table, corrected: bool) -> Case:
+    if len(read) < 2:
+        raise RecordingError(f"{read.source}: has one row of numbers; observers need two or more")
+    refuse_impossible_forces(read, pair)
+    inputs, gaps = bridged(read)
+    s = scales(pair)
+    tau = s.tau(read.time - read.time[0])
+    y = np.column_stack([s.lengths(inputs[:, 0]), s.forces(inputs[:, 1]), s.forces(inputs[:, 2])])
+    period = float(np.median(np.diff(tau)))
+    if period > _LONGEST_PERIOD:
+        raise RecordingError(
+            f"{read.source}: a sample every {period / s.rate:.3g} s is too few for muscles of v_max = {s.rate:g}/s; "
+            f"at most {_LONGEST_PERIOD / s.rate:.3g} s"
+        )
+    z = tendon_lengths(compiled, np.array(every.values(lengths_block(compiled.bank), s.numbers)), y)
+    # acc = (y₃ − y₂)/m
+    sizes = first_pass(y[:, 0], z[:, 0], z[:, 1], (y[:, 2] - y[:, 1]) / s.numbers["plant.m"], period)
+    return Case(read, pair, s, tau, y, z, gaps, sizes, corrected)
+
+
+def _follow(
+    case: Case, compiled: CompiledBank, every: Table, name: str, by_hand: Mapping[str, float], progress: Progress
+) -> Followed:
+    block = next(block for block in compiled.bank.observers if block.name == name)
+    own = {path: value for path, value in by_hand.items() if path.partition(".")[0] == name}
+    chosen = {**gains(name, case.sizes, case.period), **own}
+    # an observer that is not corrected has no use for some
+    chosen = {path: value for path, value in chosen.items() if path.partition(".")[2] in block.p}
+    steps = substeps(name, chosen, case.period)
+    given = {**case.scales.numbers, **chosen, **_start(case)}
+    numbers = np.array(every.values(block, given))
+    y = np.empty((len(case.tau), len(block.y)))
+    guards = np.empty((len(case.tau), len(block.guards)))
+    for piece, outputs, active in followed(compiled, name, numbers, steps, case.tau, case.y):
+        y[piece], guards[piece] = outputs, active
+        progress(min(piece.stop, len(y)) / len(y))
+    return Followed(_named(block.y, y), _named(block.guards, guards), chosen, steps)
+
+
+def _start(case: Case) -> dict[str, float]:
+    """x̂(0) from the first sample."""
+    x = (case.y[0, 0], 0.0, case.z[0, 0], case.z[0, 1])
+    return {f"initial.{hat(f'x{i}')}": float(value) for i, value in enumerate(x, start=1)}
+
+
+def _named(names: Mapping[str, object], columns: Array) -> dict[str, Array]:
+    return {name: columns[:, i] for i, name in enumerate(names)}
+
+
+__all__ = ["DEFAULT_OBSERVERS", "Case", "Followed", "estimate"]

@@ -1,0 +1,69 @@
+"""`hillobs estimate`: activations and more from a recording."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import click
+
+from .quote import escaped
+from .terminal import bar, print_table, user_errors
+
+_NUMERICAL = 1
+
+
+@click.command()
+@click.argument("recording", metavar="RECORDING")
+@click.option("--muscles", required=True, metavar="FILE.toml", help="The muscles in SI, see docs/recordings.md.")
+@click.option("--observer", "observers", multiple=True, metavar="NAME", help="Only this observer; may be repeated.")
+@click.option("--map", "maps", multiple=True, metavar="NAME=COLUMN", help="Name a column, e.g. position=block_x[mm].")
+@click.option("--set", "settings", multiple=True, metavar="PATH=VALUE", help="A gain by hand: high_gain.eps_h=0.05.")
+@click.option("--uncorrected", is_flag=True, help="Leave out the correction of the sliding mode observers' layers.")
+@click.option("--out", default="estimates", show_default=True, metavar="DIR", help="Where estimates are written.")
+@click.option("--no-figures", is_flag=True, help="Write no figures.")
+def estimate(
+    recording: str,
+    muscles: str,
+    observers: tuple[str, ...],
+    maps: tuple[str, ...],
+    settings: tuple[str, ...],
+    uncorrected: bool,
+    out: str,
+    no_figures: bool,
+) -> None:
+    """Estimate velocity, lengths, activations and disturbance from RECORDING: CSV, .sto or .mot, also gzipped.
+
+    It needs time, position and both tendon forces. If it has the truth too, the estimates are scored.
+    """
+    with user_errors():
+        from .estimate import estimate as estimated
+        from .estimate_files import save_estimates
+        from .estimate_report import notes, score_table
+        from .estimate_scores import scores
+        from .files import writable_folder
+        from .mapping import read_mapping
+        from .scenario import parse_change
+
+        folder = writable_folder(Path(out))
+        changes = dict(parse_change(text) for text in settings)
+        with bar("following") as progress:
+            dataset = estimated(
+                recording, muscles, observers or None, read_mapping(maps), not uncorrected, changes, progress
+            )
+        for note in notes(dataset):
+            click.echo(escaped(note))
+        found = scores(dataset)
+        if found:
+            click.echo()
+            print_table(score_table(found))
+        with bar("writing"):
+            paths = save_estimates(dataset, found, folder)
+            if not no_figures:
+                from .estimate_figures import estimate_sheet
+                from .figures import write_figures
+
+                paths += write_figures({"sheet": estimate_sheet(dataset)}, folder, "estimates")
+        click.echo(escaped(f"written to {folder}/: {', '.join(path.name for path in paths)}"))
+    if not dataset.velocity_hat.notnull().all():
+        sys.exit(_NUMERICAL)

@@ -1,0 +1,54 @@
+"""Estimates as files: NetCDF, CSV, OpenSim's .sto, and the scores."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import xarray as xr
+
+from .columns import OPENSIM
+from .estimate_scores import Score, scores_csv
+from .files import save_netcdf, write_whole
+from .write_table import Series, write_csv, write_sto
+
+_ALONE = ("position", "velocity", "disturbance")
+_PER_MUSCLE = ("tendon_length", "fibre_length", "fibre_velocity", "activation")
+
+
+def save_estimates(dataset: xr.Dataset, found: list[Score], folder: Path) -> list[Path]:
+    """Write `estimates.nc`, `.csv`, an `.sto` per observer, and `scores.csv` if there are any; the paths written."""
+    observers = dataset.observer.values.tolist()
+    paths = [folder / "estimates.nc", folder / "estimates.csv"]
+    save_netcdf(dataset, paths[0])
+    time = Series("time", "s", dataset.time.values)
+    measured = [Series("position", "m", dataset.position.values)]
+    measured += [Series(f"force_{j}", "N", dataset.force.sel(muscle=j).values) for j in (1, 2)]
+    prefixes = {name: f"{name}." if len(observers) > 1 else "" for name in observers}
+    every = [series for name, prefix in prefixes.items() for series in _series(dataset, name, prefix)]
+    write_csv(paths[1], [time, *measured, *every])
+    for name in observers:
+        path = folder / ("estimates.sto" if len(observers) == 1 else f"estimates-{name}.sto")
+        own = [Series(OPENSIM[s.name.removesuffix("_hat")], s.unit, s.values) for s in _plain(dataset, name)]
+        write_sto(path, f"estimates of {name} from {dataset.attrs['source']}", [time, *own])
+        paths.append(path)
+    if found:
+        paths.append(folder / "scores.csv")
+        write_whole(paths[-1], scores_csv(found).encode())
+    return paths
+
+
+def _series(dataset: xr.Dataset, observer: str, prefix: str) -> Iterator[Series]:
+    for series in _plain(dataset, observer):
+        yield Series(f"{prefix}{series.name}_hat", series.unit, series.values)
+
+
+def _plain(dataset: xr.Dataset, observer: str) -> Iterator[Series]:
+    """The estimates by the names that columns of a recording have."""
+    of = dataset.sel(observer=observer)
+    for name in _ALONE:
+        yield Series(name, of[f"{name}_hat"].attrs["units"], of[f"{name}_hat"].values)
+    for name in _PER_MUSCLE:
+        for j in (1, 2):
+            values = of[f"{name}_hat"].sel(muscle=j)
+            yield Series(f"{name}_{j}", values.attrs["units"], values.values)

@@ -1,0 +1,60 @@
+"""How far estimates are from the truth, where a recording knows it."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+
+# seconds from the first sample on in which observers find in
+SETTLED = 1.0
+SCORED = ("position", "velocity", "disturbance", "tendon_length", "fibre_length", "fibre_velocity", "activation")
+BOTH = "both"
+
+
+@dataclass(frozen=True)
+class Score:
+    """Root mean square and largest error after SETTLED, in `unit`; muscle is 1, 2, both or empty."""
+
+    observer: str
+    quantity: str
+    muscle: str
+    unit: str
+    rmse: float
+    peak: float
+
+
+def scores(dataset: xr.Dataset) -> list[Score]:
+    """All that can be compared, by observer, quantity and muscle; none if the recording knows nothing."""
+    return list(_scores(dataset.sel(time=slice(float(dataset.time[0]) + SETTLED, None))))
+
+
+def scores_csv(found: list[Score]) -> str:
+    """A row per score."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(["observer", "quantity", "muscle", "unit", "rmse", "peak"])
+    for score in found:
+        writer.writerow([score.observer, score.quantity, score.muscle, score.unit, repr(score.rmse), repr(score.peak)])
+    return text.getvalue()
+
+
+def _scores(late: xr.Dataset) -> Iterator[Score]:
+    if late.sizes["time"] == 0:
+        return
+    for observer in late.observer.values.tolist():
+        for quantity in SCORED:
+            if f"true_{quantity}" not in late:
+                continue
+            estimates = late[f"{quantity}_hat"]
+            error = estimates.sel(observer=observer) - late[f"true_{quantity}"]
+            parts = {"": error}
+            if "muscle" in error.dims:
+                parts = {BOTH: error, **{str(j): error.sel(muscle=j) for j in (1, 2)}}
+            for muscle, part in parts.items():
+                rmse = float(np.sqrt((part**2).mean()))
+                yield Score(observer, quantity, muscle, estimates.attrs["units"], rmse, float(np.abs(part).max()))

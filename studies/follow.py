@@ -1,0 +1,70 @@
+"""Observers of recordings as one compiled bank, for the curves of a pair of muscles."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Iterator
+
+import numpy as np
+
+from ..codegen.bank import Bank
+from ..codegen.filters import CompiledBank
+from ..codegen.library import Array
+from ..codegen.stepper import STAGES
+from ..model.block import Block, Symbols, symbols
+from ..model.curves import CURVES, Curves, tendon_parameters
+from ..model.symbols import MEASURED
+from ..observers import FOLLOWERS, estimator
+from ..observers.tendons import LENGTHS, tendons, tendons_of_a_step
+from .muscle_file import MusclePair
+
+# samples between two words of progress
+_CHUNK = 65_536
+_LENGTHS = "lengths"
+
+
+def curves_of(pair: MusclePair) -> Curves:
+    """The curve sets of a pair."""
+    first, second = CURVES[pair.muscle1.curves], CURVES[pair.muscle2.curves]
+    return first if first is second else (first, second)
+
+
+@functools.lru_cache(maxsize=8)
+def follower_bank(curves: Curves, corrected: bool) -> Bank:
+    """All observers of recordings, and one that only tells the tendon lengths."""
+    own = [estimator(build(corrected), curves) for build in FOLLOWERS.values()]
+    return Bank(MEASURED, tendons(curves), tendons_of_a_step(STAGES, curves), (_lengths(curves), *own))
+
+
+@functools.lru_cache(maxsize=8)
+def compiled_bank(curves: Curves, corrected: bool) -> CompiledBank:
+    """The same as machine code."""
+    return CompiledBank(follower_bank(curves, corrected))
+
+
+def tendon_lengths(compiled: CompiledBank, numbers: Array, y: Array) -> Array:
+    """L_S1, L_S2 (n × 2) of measurements y (n × 3)."""
+    # without states time does not matter
+    return compiled.follow(_LENGTHS, numbers, 1).samples(np.arange(float(len(y))), y).y
+
+
+def lengths_block(bank: Bank) -> Block:
+    """The one that tells the lengths."""
+    return bank.observers[0]
+
+
+def followed(
+    compiled: CompiledBank, observer: str, numbers: Array, substeps: int, t: Array, y: Array
+) -> Iterator[tuple[slice, Array, Array]]:
+    """Samples, and outputs and guards there, piece by piece."""
+    filter_ = compiled.follow(observer, numbers, substeps)
+    for start in range(0, len(t), _CHUNK):
+        piece = slice(start, start + _CHUNK)
+        found = filter_.samples(t[piece], y[piece])
+        yield piece, found.y, found.guards
+
+
+def _lengths(curves: Curves) -> Block:
+    u, parameters = symbols([*MEASURED, *LENGTHS]), tendon_parameters(curves)
+    p = symbols(parameters)
+    return Block(_LENGTHS, u=u, p=p, parameters=parameters, y=Symbols({name: u[name] for name in LENGTHS}))
