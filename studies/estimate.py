@@ -30,6 +30,8 @@ from .table import ScenarioError, Table, table
 
 # periods of the muscles' own time 1/v_max between samples beyond which nothing can be followed
 _LONGEST_PERIOD = 0.7
+# estimates of a sample; 100 million numbers are 1 GB
+_NUMBERS, _MOST_NUMBERS = 20, 100_000_000
 DEFAULT_OBSERVERS = ("high_gain", "sliding_mode", "adaptive_sliding_mode")
 
 Progress = Callable[[float], None]
@@ -47,7 +49,10 @@ class Followed:
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """A recording in the paper's variables: times τ (n), measurements y (n × 3), tendon lengths z (n × 2)."""
+    """A recording in the paper's variables: times τ (n), measurements y (n × 3), tendon lengths z (n × 2).
+
+    Of the estimates every so-manieth is kept.
+    """
 
     recording: Recording
     pair: MusclePair
@@ -58,6 +63,12 @@ class Case:
     gaps: NDArray[np.bool_]
     sizes: Sizes
     corrected: bool
+    every: int
+
+    @property
+    def kept(self) -> slice:
+        """The samples whose estimates are kept."""
+        return slice(None, None, self.every)
 
     @property
     def period(self) -> float:
@@ -72,6 +83,7 @@ def estimate(
     mapping: Mapping[str, str] | None = None,
     corrected: bool = True,
     changes: Mapping[str, Value] | None = None,
+    every: int = 1,
     progress: Progress = lambda done: None,
 ) -> xr.Dataset:
     """Follow a recording with observers and return velocities, lengths, activations and disturbance in SI.
@@ -80,6 +92,7 @@ def estimate(
     muscles: a muscle file, or one that was read. observers: names of FOLLOWERS; the paper's three by default.
     mapping: name → column of the file, `column[unit]`. corrected: the sliding mode observers' layers are corrected.
     changes: gains by hand, path → value, such as {"high_gain.eps_h": 0.05}; all others follow the rule, docs/gains.md.
+    every: keep the estimates of every so-manieth sample; the observers see all.
     The Dataset has the dimensions time, observer, muscle. RecordingError, ScenarioError for what is wrong with the
     files, BuildError if nothing can be compiled.
     """
@@ -90,16 +103,17 @@ def estimate(
     pair = muscles if isinstance(muscles, MusclePair) else read_muscles(muscles)
     read = recording if isinstance(recording, Recording) else read_recording(recording, mapping)
     compiled = compiled_bank(curves_of(pair), corrected)
-    every = table(compiled.bank.observers)
-    by_hand = _checked(changes or {}, every, chosen)
-    case = _case(read, pair, compiled, every, corrected)
+    numbers = table(compiled.bank.observers)
+    by_hand = _checked(changes or {}, numbers, chosen)
+    _check_size(len(read), every, len(chosen))
+    case = _case(read, pair, compiled, numbers, corrected, every)
     results = {}
     for i, name in enumerate(chosen):
 
         def share(done: float, before: int = i) -> None:
             progress((before + done) / len(chosen))
 
-        results[name] = _follow(case, compiled, every, name, by_hand, share)
+        results[name] = _follow(case, compiled, numbers, name, by_hand, share)
     return estimate_dataset(case, results, str(compiled.path.stem))
 
 
@@ -113,7 +127,18 @@ def _checked(changes: Mapping[str, Value], every: Table, chosen: Sequence[str]) 
     return given
 
 
-def _case(read: Recording, pair: MusclePair, compiled: CompiledBank, every: Table, corrected: bool) -> Case:
+def _check_size(samples: int, every: int, observers: int) -> None:
+    if every < 1:
+        raise ScenarioError(f"every must be at least 1, not {every}")
+    if (size := samples // every * observers * _NUMBERS) > _MOST_NUMBERS:
+        least = -(-samples * observers * _NUMBERS // _MOST_NUMBERS)
+        raise ScenarioError(
+            f"{samples:,} samples make {size:,} estimates, more than memory should hold; "
+            f"keep every {least}th (--every {least}) or fewer"
+        )
+
+
+def _case(read: Recording, pair: MusclePair, compiled: CompiledBank, every: Table, corrected: bool, kept: int) -> Case:
     if len(read) < 2:
         raise RecordingError(f"{read.source}: has one row of numbers; observers need two or more")
     refuse_impossible_forces(read, pair)
@@ -130,7 +155,7 @@ def _case(read: Recording, pair: MusclePair, compiled: CompiledBank, every: Tabl
     z = tendon_lengths(compiled, np.array(every.values(lengths_block(compiled.bank), s.numbers)), y)
     # acc = (y₃ − y₂)/m
     sizes = first_pass(y[:, 0], z[:, 0], z[:, 1], (y[:, 2] - y[:, 1]) / s.numbers["plant.m"], period)
-    return Case(read, pair, s, tau, y, z, gaps, sizes, corrected)
+    return Case(read, pair, s, tau, y, z, gaps, sizes, corrected, kept)
 
 
 def _follow(
@@ -144,11 +169,13 @@ def _follow(
     steps = substeps(name, chosen, case.period)
     given = {**case.scales.numbers, **chosen, **_start(case)}
     numbers = np.array(every.values(block, given))
-    y = np.empty((len(case.tau), len(block.y)))
-    guards = np.empty((len(case.tau), len(block.guards)))
+    kept = len(range(len(case.tau))[case.kept])
+    y, guards, place = np.empty((kept, len(block.y))), np.empty((kept, len(block.guards))), 0
     for piece, outputs, active in followed(compiled, name, numbers, steps, case.tau, case.y):
-        y[piece], guards[piece] = outputs, active
-        progress(min(piece.stop, len(y)) / len(y))
+        wanted = slice(-piece.start % case.every, None, case.every)
+        here = slice(place, place + len(outputs[wanted]))
+        y[here], guards[here], place = outputs[wanted], active[wanted], here.stop
+        progress(min(piece.stop, len(case.tau)) / len(case.tau))
     return Followed(_named(block.y, y), _named(block.guards, guards), chosen, steps)
 
 

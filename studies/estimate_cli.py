@@ -20,6 +20,7 @@ _NUMERICAL = 1
 @click.option("--map", "maps", multiple=True, metavar="NAME=COLUMN", help="Name a column, e.g. position=block_x[mm].")
 @click.option("--set", "settings", multiple=True, metavar="PATH=VALUE", help="A gain by hand: high_gain.eps_h=0.05.")
 @click.option("--uncorrected", is_flag=True, help="Leave out the correction of the sliding mode observers' layers.")
+@click.option("--every", default="1", show_default=True, metavar="N", help="Keep the estimates of every Nth sample.")
 @click.option("--out", default="estimates", show_default=True, metavar="DIR", help="Where estimates are written.")
 @click.option("--no-figures", is_flag=True, help="Write no figures.")
 def estimate(
@@ -29,6 +30,7 @@ def estimate(
     maps: tuple[str, ...],
     settings: tuple[str, ...],
     uncorrected: bool,
+    every: str,
     out: str,
     no_figures: bool,
 ) -> None:
@@ -43,13 +45,21 @@ def estimate(
         from .estimate_scores import scores
         from .files import writable_folder
         from .mapping import read_mapping
+        from .numbers import whole_number
         from .scenario import parse_change
 
         folder = writable_folder(Path(out))
         changes = dict(parse_change(text) for text in settings)
         with bar("following") as progress:
             dataset = estimated(
-                recording, muscles, observers or None, read_mapping(maps), not uncorrected, changes, progress
+                recording,
+                muscles,
+                observers or None,
+                read_mapping(maps),
+                not uncorrected,
+                changes,
+                whole_number("--every", every, 1),
+                progress,
             )
         for note in notes(dataset):
             click.echo(escaped(note))

@@ -37,6 +37,7 @@ _PER_MUSCLE = ("force", "tendon_length", "fibre_length", "fibre_velocity", "acti
 def estimate_dataset(case: Case, results: Mapping[str, Followed], library: str) -> xr.Dataset:
     """Estimates, innovations and limits of each observer, what was measured, and the truth that the file knows."""
     recording, s = case.recording, case.scales
+    y, z = case.y[case.kept], case.z[case.kept]
     alone, both = ("observer", "time"), ("observer", "time", "muscle")
 
     def stacked(*names: str) -> Array:
@@ -52,8 +53,8 @@ def estimate_dataset(case: Case, results: Mapping[str, Followed], library: str) 
     # L_C1 = x₁ − x₃,  L_C2 = C − x₁ − x₄
     L_m = np.stack([x1, s.numbers["plant.C"] - x1], axis=-1)
     data: dict[str, tuple[tuple[str, ...], np.ndarray[Any, Any], dict[str, str]]] = {
-        "position": (("time",), s.metres(case.y[:, 0]), _about("m", "measured position")),
-        "force": (("time", "muscle"), case.y[:, 1:] * s.force, _about("N", "measured tendon forces")),
+        "position": (("time",), s.metres(y[:, 0]), _about("m", "measured position")),
+        "force": (("time", "muscle"), y[:, 1:] * s.force, _about("N", "measured tendon forces")),
         "position_hat": (alone, s.metres(x1), _about("m", "estimated position")),
         "velocity_hat": (alone, s.velocity(stacked("x2")), _about("m/s", "estimated velocity")),
         "disturbance_hat": (alone, s.disturbance(stacked("Delta")), _about("N", "estimated external force")),
@@ -65,29 +66,33 @@ def estimate_dataset(case: Case, results: Mapping[str, Followed], library: str) 
             _about("m/s", "estimated fibre velocities, positive when the fibre lengthens"),
         ),
         "activation_hat": (both, stacked("a1", "a2"), _about("1", "estimated activations, within [0, 1]")),
-        "position_innovation": (alone, s.metres(case.y[:, 0] - x1), _about("m", "measured less estimated position")),
+        "position_innovation": (alone, s.metres(y[:, 0] - x1), _about("m", "measured less estimated position")),
         "tendon_innovation": (
             both,
-            s.metres(case.z - L_S),
+            s.metres(z - L_S),
             _about("m", "tendon length of the measured force less the estimated one"),
         ),
         "velocity_limited": (both, limited("u"), _about("1", "1 where a fibre is faster than the activation allows")),
         "activation_limited": (both, limited("a"), _about("1", "1 where the activation would be below 0 or above 1")),
         "slack": (
             ("time", "muscle"),
-            (case.y[:, 1:] <= 0).astype(np.int8),
+            (y[:, 1:] <= 0).astype(np.int8),
             _about("1", "1 where no force is measured: the tendon length is not determined"),
         ),
-        "bridged": (("time",), case.gaps.astype(np.int8), _about("1", "1 where a gap of the recording was bridged")),
+        "bridged": (
+            ("time",),
+            case.gaps[case.kept].astype(np.int8),
+            _about("1", "1 where a gap of the recording was bridged"),
+        ),
     }
     for name, (unit, sentence) in TRUE.items():
         columns = [f"{name}_{j}" for j in _MUSCLES] if name in _PER_MUSCLE else [name]
         if all(column in recording.true for column in columns):
-            values = np.stack([recording.true[column] for column in columns], axis=-1)
+            values = np.stack([recording.true[column][case.kept] for column in columns], axis=-1)
             dims = ("time", "muscle") if len(columns) > 1 else ("time",)
             data[f"true_{name}"] = (dims, values if len(columns) > 1 else values[:, 0], _about(unit, sentence))
     coordinates = {
-        "time": ("time", recording.time, {"long_name": "time", "units": "s"}),
+        "time": ("time", recording.time[case.kept], {"long_name": "time", "units": "s"}),
         "observer": list(results),
         "muscle": list(_MUSCLES),
     }
@@ -112,6 +117,8 @@ def _manifest(case: Case, results: Mapping[str, Followed], library: str) -> dict
         "gains": json.dumps({name: dict(result.gains) for name, result in results.items()}),
         "substeps": json.dumps({name: result.substeps for name, result in results.items()}),
         "period": repr(case.period / case.scales.rate),
+        "samples": str(len(case.tau)),
+        "every": str(case.every),
         "corrected": json.dumps(case.corrected),
         "library": library,
         "versions": json.dumps(versions()),

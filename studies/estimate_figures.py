@@ -92,6 +92,4 @@ def _mark(axes: Sequence[Axes], thin: xr.Dataset) -> None:
     grey = (thin.slack.values > 0).any(axis=1) | (thin.bridged.values > 0)
     if grey.any():
         for panel in axes:
-            panel.fill_between(
-                thin.time.values, 0, 1, where=grey, transform=panel.get_xaxis_transform(), **style.SLACK
-            )
+            panel.fill_between(thin.time.values, 0, 1, where=grey, transform=panel.get_xaxis_transform(), **style.SLACK)

@@ -31,7 +31,12 @@ def notes(dataset: xr.Dataset) -> Iterator[str]:
     """Sentences: the recording, the gains and their cost, gaps, slack tendons, limits, numbers that are none."""
     attributes = dataset.attrs
     time, period = dataset.time.values, float(attributes["period"])
-    yield f"{attributes['source']}: {len(time):,} samples, {time[-1] - time[0]:.4g} s, one every {period * 1e3:.4g} ms"
+    yield (
+        f"{attributes['source']}: {int(attributes['samples']):,} samples, {time[-1] - time[0]:.4g} s, "
+        f"one every {period * 1e3:.4g} ms"
+    )
+    if attributes["every"] != "1":
+        yield f"estimates are kept of every {attributes['every']}th sample"
     yield from json.loads(attributes["notes"])
     if dataset.bridged.any():
         yield f"gaps bridged by straight lines {_episodes(time, dataset.bridged.values > 0)}"

@@ -61,6 +61,7 @@ def sweep(
         from ..observers.score import MEASURES
         from .axes import DESIGNS, parse_axis
         from .files import writable_folder
+        from .numbers import whole_number
         from .pace import Pace
         from .plan import MANY_RUNS, plan
         from .scenario import parse_change
@@ -79,17 +80,17 @@ def sweep(
         wanted = plan(
             scenario,
             axes,
-            _whole("--seeds", seeds, 1),
+            whole_number("--seeds", seeds, 1),
             list(observers) or None,
             dict(parse_change(text) for text in settings),
             kind,
-            _whole("--design", samples, 0),
+            whole_number("--design", samples, 0),
             quantities or QUANTITIES,
             kinds or MEASURES,
         )
         if wanted.runs > MANY_RUNS and not yes:
             raise ScenarioError(f"{wanted.runs:,} runs are more than {MANY_RUNS:,}; say --yes if they are meant")
-        compute = on_threads(None if workers is None else _whole("--workers", workers, 1))
+        compute = on_threads(None if workers is None else whole_number("--workers", workers, 1))
         path = None if out is None else writable_folder(Path(out).parent) / Path(out).name
         with counted("runs", wanted.runs) as advance:
             pace = Pace(advance)
@@ -119,14 +120,6 @@ def _written(dataset: xr.Dataset, path: Path, no_figures: bool) -> str:
         drawn, sentence = save_sweep_figures(dataset, path.parent, path.stem)
     names = "".join(f", {figure.name} and .pdf" for figure in drawn if figure.suffix == ".png")
     return f"{sentence}\n{written}{names}".lstrip()
-
-
-def _whole(option: str, text: str, least: int) -> int:
-    from .table import ScenarioError
-
-    if not text.isascii() or not text.isdigit() or len(text) > 12 or int(text) < least:
-        raise ScenarioError(f"{option} must be a whole number of at least {least}, not {text[:40]!r}")
-    return int(text)
 
 
 @contextlib.contextmanager
