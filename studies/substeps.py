@@ -16,7 +16,7 @@ from .table import ScenarioError
 
 # RK4 is stable up to 2.78 on the real axis; 10 % margin
 STABLE = 2.5
-# step of the high gain observer in ε; at 1, still stable, RK4 alone makes an error that noise-free data show
+# step of the high gain observer in ε; near 1, still stable, RK4 alone makes an error that noise-free data show
 ACCURATE = 0.75
 # more means that the gains belong to other data
 _MOST = 1000
