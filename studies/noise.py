@@ -57,11 +57,15 @@ def noise(signal: Array, T: float) -> Noise:
 
 
 def despiked(signal: Array, sigma: float) -> Array:
-    """`signal` with single wild samples replaced by the median around them; as it is if they are too many."""
+    """`signal` with straight lines in place of single wild samples; as it is if they are too many."""
     padded = np.pad(signal, _SAMPLES // 2, mode="edge")
     around = np.median(np.lib.stride_tricks.sliding_window_view(padded, _SAMPLES), axis=-1)
     wild = np.abs(signal - around) > _SIGMAS * sigma + _RANGE * np.ptp(signal)
-    return np.where(wild, around, signal) if wild.mean() < _MOST else signal
+    if not 0 < wild.mean() < _MOST:
+        return signal
+    # the median itself is off where the signal moves
+    n = np.arange(len(signal))
+    return np.where(wild, np.interp(n, n[~wild], signal[~wild]), signal)
 
 
 def differences(signal: Array, order: int, lag: int) -> Array:

@@ -5,16 +5,18 @@ The constants and what they were measured on: docs/gains.md.
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
+from ..model.block import Parameters
 from ..observers import FOLLOWERS
 from .quote import shown
 from .table import ScenarioError
 
 # RK4 is stable up to 2.78 on the real axis; 10 % margin
 STABLE = 2.5
-# step of the high gain observer in ε; at 1, still stable, RK4 alone makes an error that noise-free data show
+# step of the high gain observer in ε; near 1, still stable, RK4 alone makes an error that noise-free data show
 ACCURATE = 0.75
 # more means that the gains belong to other data
 _MOST = 1000
@@ -36,7 +38,7 @@ def substeps(observer: str, gains: Mapping[str, float], T: float) -> int:
     """
     if observer not in _RATES:
         raise ScenarioError(f"there is no substep rule for {shown(observer)}, only for {', '.join(_RATES)}")
-    about = FOLLOWERS[observer](True).parameters
+    about = _about(observer)
 
     def value(name: str) -> float:
         shared = gains.get(about[name].shared, about[name].default)
@@ -53,6 +55,11 @@ def substeps(observer: str, gains: Mapping[str, float], T: float) -> int:
             f"{_MOST} at most"
         )
     return max(1, math.ceil(n - _ROUNDING))
+
+
+@functools.cache
+def _about(observer: str) -> Parameters:
+    return FOLLOWERS[observer](True).parameters
 
 
 def _pole(value: _Values, eps: str, gains: Sequence[str]) -> float:
