@@ -23,6 +23,7 @@ from typing import IO, cast
 
 from . import cache
 from .cache import ABI, BuildError
+from .held import HeldSignals
 
 FLAGS = (
     *("-x", "c++", "-std=c++17", "-O3", "-fPIC", "-shared", "-fvisibility=hidden"),
@@ -209,6 +210,7 @@ def _run(
     command: Sequence[str], folder: Path, timeout: float, variables: Mapping[str, str] | None = None
 ) -> tuple[int, str]:
     """Run a command in `folder` and a session of its own; return its exit code and the last lines it printed."""
+    held = HeldSignals()
     try:
         with subprocess.Popen(
             command,
@@ -221,6 +223,7 @@ def _run(
             umask=0o077,
         ) as process:
             try:
+                held.release()
                 output = _listen(process, timeout)
             finally:
                 with contextlib.suppress(ProcessLookupError, PermissionError):
@@ -230,6 +233,8 @@ def _run(
         raise BuildError(f"{command[0]} took more than {timeout:g} s (HILLOBS_COMPILE_TIMEOUT).") from error
     except OSError as error:
         raise BuildError(f"{command[0]} cannot be run: {error.strerror}.") from error
+    finally:
+        held.release()
 
 
 def _listen(process: subprocess.Popen[bytes], timeout: float) -> str:

@@ -17,6 +17,7 @@ import pytest
 
 from hillobs.codegen import cache, toolchain
 from hillobs.codegen.cache import BuildError
+from hillobs.codegen.held import HeldSignals
 from hillobs.codegen.library import open_library
 from hillobs.codegen.toolchain import build, compile_library, find_compiler
 
@@ -636,3 +637,20 @@ def test_a_folder_mounted_noexec_is_explained(tmp_path, monkeypatch):
 def test_only_what_is_exported_can_be_seen():
     library = open_library(build(SOURCE + "double hidden(double x) { return x; }\n", DESCRIPTION))
     assert not hasattr(library, "hidden")
+
+
+def test_a_signal_while_a_process_starts_waits_for_it() -> None:
+    """Once, at the release, and with the handler that was there."""
+    came: list[int] = []
+    before = signal.signal(signal.SIGHUP, lambda number, frame: came.append(number))
+    try:
+        held = HeldSignals()
+        os.kill(os.getpid(), signal.SIGHUP)
+        assert came == []
+        held.release()
+        assert came == [signal.SIGHUP]
+        held.release()
+        os.kill(os.getpid(), signal.SIGHUP)
+        assert came == [signal.SIGHUP] * 2
+    finally:
+        signal.signal(signal.SIGHUP, before)

@@ -1,4 +1,4 @@
-"""Every fault of a sweep, at every call; kills at any time; the system's own calls. Minutes long."""
+"""Every fault of a sweep, at every call, in the system too; kills at any time. Minutes long."""
 
 import os
 import random
@@ -154,9 +154,8 @@ def strace() -> str:
     path = shutil.which("strace")
     if path is None:
         pytest.skip("strace is not installed")
-    if subprocess.run(
-        [path, "-o", "/dev/null", "-e", "inject=getppid:error=EIO", "true"], capture_output=True
-    ).returncode:
+    probe = [path, "-o", "/dev/null", "-e", "inject=getppid:error=EIO", "true"]
+    if subprocess.run(probe, capture_output=True).returncode:
         pytest.skip("strace cannot trace here")
     return path
 
