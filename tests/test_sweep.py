@@ -96,3 +96,40 @@ def test_a_result_of_another_sweep_is_not_overwritten(tmp_path: Path) -> None:
     with pytest.raises(ResultError, match="result of something else"):
         sweep("paper-clean", EPS, 2, changes=SHORT, out=tmp_path / "x.nc")
     assert (tmp_path / "x.nc").read_bytes() == before
+
+
+def test_what_is_not_asked_for_is_not_scored_and_changes_nothing() -> None:
+    """Another library: a compiler may contract a product and a sum here and not there."""
+    every = sweep("paper-noisy", EPS, seeds=3, changes=SHORT)
+    few = sweep("paper-noisy", EPS, seeds=3, changes=SHORT, quantities=["Delta", "x2"], measures=["chattering"])
+    assert few.quantity.values.tolist() == ["x2", "Delta"]
+    assert [name for name in few.data_vars if "quantity" in few[name].dims] == ["rmse", "chattering"]
+    for measure in ("rmse", "chattering"):
+        np.testing.assert_allclose(few[measure], every[measure].sel(quantity=few.quantity), rtol=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("asked", "words"),
+    [
+        ({"quantities": ["x5"]}, "unknown quantity 'x5'; there are x1, x2"),
+        ({"quantities": []}, "at least one quantity"),
+        ({"measures": ["error"]}, "unknown measure 'error'; there are rmse, peak"),
+    ],
+)
+def test_what_cannot_be_scored_is_said(asked, words) -> None:
+    with pytest.raises(ScenarioError, match=words):
+        sweep("paper-clean", EPS, changes=SHORT, **asked)
+
+
+@pytest.mark.parametrize(
+    ("path", "asked"),
+    [
+        ("sliding_mode.delta_s", {"observers": "high_gain"}),
+        ("activation1.offset", {}),
+        ("high_gain.u_high", {"quantities": ["x2"]}),
+        ("score.tolerance.x2", {"measures": ["peak"]}),
+    ],
+)
+def test_an_axis_that_changes_nothing_is_refused(path, asked) -> None:
+    with pytest.raises(ScenarioError, match=f"{path} changes nothing here"):
+        sweep("paper-clean", {path: [0.01, 0.02]}, changes=SHORT, **asked)
