@@ -22,7 +22,6 @@ from ..observers.score import MEASURES, score
 from ..observers.tendons import tendons, tendons_of_a_step
 from .table import Table, table
 
-
 # outputs of the truth that no one looks at while activations are not scored
 _UNSEEN = {*ACTIVATIONS, "r"}
 
