@@ -71,11 +71,16 @@ def prepare(
             scenario(name, content, {}, every)
         except ScenarioError as error:
             raise ScenarioError(f"{source}: {error}") from error
-    checked = scenario(name, content, changes, every)
+    return assemble(scenario(name, content, changes, every), chosen, custom)
+
+
+def assemble(checked: Scenario, observers: tuple[str, ...], custom: tuple[Block, ...] = ()) -> Prepared:
+    """The Blocks that run a scenario; ScenarioError for numbers that do not fit together."""
+    every = full_table(custom)
     curves = CURVES[checked.choices.get("muscle.curves", NGUYEN2019.name)]
     every.check(curves, checked.given)
     loop = paper_loop(checked.drive, curves, custom)
-    prepared = Prepared(checked, loop, every, time_grid(lambda path: every.value(path, checked.given)), chosen)
+    prepared = Prepared(checked, loop, every, time_grid(lambda path: every.value(path, checked.given)), observers)
     _check_force_factors(prepared)
     _check_samples(prepared)
     _check_variables(prepared)

@@ -7,7 +7,7 @@ import os
 import sys
 import threading
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from pathlib import Path
 
@@ -16,7 +16,7 @@ import xarray as xr
 
 from ..codegen.batch import CompiledLoop
 from ..codegen.library import Array
-from ..codegen.toolchain import NATIVE
+from ..codegen.toolchain import NATIVE, PORTABLE
 from ..model.block import Block
 from ..model.symbols import QUANTITIES
 from .axes import Values
@@ -33,7 +33,8 @@ from .table import ScenarioError
 # runs done so far, of all; runs of an earlier start count as done at once
 Progress = Callable[[int, int], None]
 # what computes parts, in any order
-Compute = Callable[[Plan, CompiledLoop, Iterable[int]], Iterator[tuple[int, Array]]]
+Computed = Generator[tuple[int, Array], None, None]
+Compute = Callable[[Plan, CompiledLoop, Iterable[int]], Computed]
 
 # a larger result belongs into several files
 _LARGEST_RESULT = 4e9
@@ -57,8 +58,9 @@ def sweep(
     samples: int = 0,
     out: str | Path | None = None,
     workers: int | None = None,
-    baseline: str = NATIVE,
+    baseline: str | None = None,
     progress: Progress = lambda done, all_runs: None,
+    cluster: str | None = None,
 ) -> xr.Dataset:
     """Run a scenario for all values in `over` and all seeds, and return the measures of each run.
 
@@ -67,15 +69,32 @@ def sweep(
     over: path → values, or an `axes.Range`; one dimension each, named by the path (`point`, if not a grid).
     seeds: how many, from 0, or which. kind: grid, zip, or a design of `samples` points: latin, sobol.
     out: file of the result; what is computed is kept beside it, and the same call goes on where it was.
-    workers: threads; by default one per core. baseline: processors to compile for, see `hillobs.codegen.toolchain`.
+    workers: threads, or processes of a local cluster; by default one per core.
+    baseline: processors to compile for, see `hillobs.codegen.toolchain`; by default this one, or for a cluster a class
+        of them: on all machines of it, and here with the same baseline, results are the same to the bit.
+    cluster: `local`, or the address of a dask scheduler, see docs/scaling.md; needs the extra `cluster`.
 
     The Dataset has rmse, peak, settling, chattering (…, seed, observer, quantity), failed_at (…, seed, observer) and
     plant_failed_at (…, seed): the time of a failure or NaN; after one, measures are NaN. failure and plant_failure say
     what failed, as places in the attribute flag_meanings; 0 is none. Everything is dimensionless.
-    ScenarioError for what cannot be run, ResultError for `out`, BuildError if nothing can be compiled.
+    ScenarioError for what cannot be run, ResultError for `out`, BuildError if nothing can be compiled, ClusterError for
+    a cluster that is not there, lost, or of other code.
     """
     wanted = plan(source, over or {}, seeds, observers, changes, kind, samples)
-    return sweep_planned(wanted, None if out is None else Path(out), on_threads(workers), baseline, progress)
+    with engine(workers, cluster) as (compute, usual):
+        return sweep_planned(wanted, None if out is None else Path(out), compute, baseline or usual, progress)
+
+
+@contextlib.contextmanager
+def engine(workers: int | None, cluster: str | None) -> Iterator[tuple[Compute, str]]:
+    """What computes parts, here or on a cluster, and the baseline that goes with it."""
+    if cluster is None:
+        yield on_threads(workers), NATIVE
+        return
+    from .cluster import on_cluster
+
+    with on_cluster(cluster, workers) as compute:
+        yield compute, PORTABLE
 
 
 def sweep_planned(
@@ -112,7 +131,7 @@ def sweep_planned(
                 f"{parts.folder}: {parts.damaged} damaged parts are computed again", SweepWarning, stacklevel=3
             )
         progress(done, wanted.runs)
-        for part, computed in compute(wanted, compiled, missing):
+        for part, computed in stack.enter_context(contextlib.closing(compute(wanted, compiled, missing))):
             numbers[wanted.members(part)] = computed
             if parts is not None:
                 parts.write(part, computed)
@@ -131,7 +150,7 @@ def on_threads(workers: int | None = None) -> Compute:
     if count < 1:
         raise ScenarioError(f"workers must be at least 1, not {count}")
 
-    def compute(wanted: Plan, compiled: CompiledLoop, parts: Iterable[int]) -> Iterator[tuple[int, Array]]:
+    def compute(wanted: Plan, compiled: CompiledLoop, parts: Iterable[int]) -> Computed:
         stop, waiting = threading.Event(), iter(parts)
 
         def check(_: float) -> None:

@@ -34,8 +34,9 @@ _INTERRUPTED, _NUMERICAL = 128, 1
     "--quantity", "quantities", multiple=True, metavar="NAME", help="Show this one: x2, Delta, …; repeatable."
 )
 @click.option("--no-figures", is_flag=True, help="Write no figures.")
-@click.option("--workers", metavar="N", help="Threads; one per core by default.")
-@click.option("--baseline", default="native", show_default=True, help="Processors to compile for.")
+@click.option("--workers", metavar="N", help="Threads, or processes of a local cluster; one per core by default.")
+@click.option("--baseline", metavar="NAME", help="Processors to compile for: this one; for a cluster, a class of them.")
+@click.option("--cluster", metavar="ADDRESS|local", help="Run on the dask scheduler at tls://HOST:PORT, or on one made here.")
 @click.option("--yes", is_flag=True, help="Do not ask before a very large sweep.")
 def sweep(
     scenario: str,
@@ -49,7 +50,8 @@ def sweep(
     quantities: tuple[str, ...],
     no_figures: bool,
     workers: str | None,
-    baseline: str,
+    baseline: str | None,
+    cluster: str | None,
     yes: bool,
 ) -> None:
     """Run SCENARIO for all values of some parameters and many seeds; print where the errors are smallest."""
@@ -59,7 +61,7 @@ def sweep(
         from .pace import Pace
         from .plan import MANY_RUNS, plan
         from .scenario import parse_change
-        from .sweep import on_threads, sweep_planned
+        from .sweep import engine, sweep_planned
         from .sweep_report import SHOWN, check_quantities, notes, optimum
         from .table import ScenarioError
 
@@ -81,11 +83,11 @@ def sweep(
         )
         if wanted.runs > MANY_RUNS and not yes:
             raise ScenarioError(f"{wanted.runs:,} runs are more than {MANY_RUNS:,}; say --yes if they are meant")
-        compute = on_threads(None if workers is None else _whole("--workers", workers, 1))
+        count = None if workers is None else _whole("--workers", workers, 1)
         path = None if out is None else writable_folder(Path(out).parent) / Path(out).name
-        with _signals(path), counted("runs", wanted.runs) as advance:
+        with _signals(path), engine(count, cluster) as (compute, usual), counted("runs", wanted.runs) as advance:
             pace = Pace(advance)
-            dataset = sweep_planned(wanted, path, compute, baseline, pace)
+            dataset = sweep_planned(wanted, path, compute, baseline or usual, pace)
         for note in (*pace.sentences(), *notes(dataset)):
             click.echo(note)
         print_table(optimum(dataset, quantities or SHOWN))

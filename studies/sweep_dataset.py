@@ -16,7 +16,7 @@ from .causes import causes, flags
 from .dataset import MEASURES as SENTENCES
 from .dataset import about, repeatable
 from .gains import swept_conditions
-from .plan import PART, Plan
+from .plan import Plan
 from .prepare import Prepared
 
 MEASURES = ("rmse", "peak", "settling", "chattering")
@@ -71,7 +71,7 @@ def sweep_dataset(wanted: Plan, numbers: Array, identity: str, compiled: Compile
         "violated_conditions": json.dumps(_violated(wanted, compiled)),
         "library": compiled.path.stem,
         "baseline": baseline,
-        "part": str(PART),
+        "part": str(wanted.part),
     }
     return xr.Dataset(data, coordinates, attributes)
 

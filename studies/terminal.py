@@ -70,12 +70,13 @@ def user_errors() -> Iterator[None]:
     """A user's mistake as one sentence and exit code 2."""
     from ..codegen.cache import BuildError
     from ..model.block import BlockError
+    from .cluster import ClusterError
     from .files import ResultError
     from .table import ScenarioError
 
     try:
         yield
-    except (ScenarioError, ResultError, BlockError) as error:
+    except (ScenarioError, ResultError, BlockError, ClusterError) as error:
         complain(str(error))
         sys.exit(USAGE)
     except BuildError as error:  # the compiler's own words take several lines
