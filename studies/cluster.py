@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 LOCAL = "local"
 
 _ADDRESS = re.compile(r"(?:(tcp|tls)://)?(\[[0-9a-fA-F:.]+\]|[\w.-]+):(\d{1,5})", re.ASCII)
-_LOOPBACK = "127.0.0.1"
 _ANSWER = 5.0  # seconds that a scheduler may take to answer at first
 _PATIENCE = 60.0  # seconds that a cluster may be without a worker
 _LOOK = 1.0  # seconds between two looks at a silent cluster
@@ -55,9 +54,12 @@ def on_cluster(address: str, workers: int | None = None) -> Iterator[Compute]:
         dask = importlib.import_module("distributed")
     except ImportError as error:
         raise ClusterError("a cluster needs dask: pip install 'hillobs[cluster]'") from error
+    from .local_cluster import local_client
+    from .sweep import cores
+
     with dask.utils.silence_logging_cmgr(logging.CRITICAL), contextlib.ExitStack() as stack:
         if address == LOCAL:
-            client = stack.enter_context(_local(dask, workers))
+            client = stack.enter_context(local_client(workers or cores()))
         else:
             client = stack.enter_context(_connected(dask, address))
             _warn_of_open_ports([client.scheduler.address, *client.nthreads()])
@@ -150,25 +152,6 @@ def _connected(dask: Any, address: str) -> Iterator[Any]:
     except (OSError, ValueError, ImportError) as error:
         raise ClusterError(f"no scheduler of dask answers at {address}: {error}") from error
     with client:
-        yield client
-
-
-@contextlib.contextmanager
-def _local(dask: Any, workers: int | None) -> Iterator[Any]:
-    """Processes on this machine, for nobody else: on loopback, with a certificate of the moment and no web pages."""
-    quiet = {"distributed.scheduler.http.routes": [], "distributed.worker.http.routes": []}
-    with (
-        importlib.import_module("dask").config.set(quiet),
-        dask.LocalCluster(
-            n_workers=workers,
-            threads_per_worker=1,
-            host=_LOOPBACK,
-            security=True,
-            scheduler_kwargs={"dashboard": False, "dashboard_address": f"{_LOOPBACK}:0"},
-            silence_logs=logging.CRITICAL,
-        ) as cluster,
-        dask.Client(cluster, set_as_default=False) as client,
-    ):
         yield client
 
 

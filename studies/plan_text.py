@@ -20,7 +20,9 @@ def text_of(wanted: Plan) -> str:
     """A Plan as JSON, each number to its last bit. ScenarioError if it holds an observer that is not ours."""
     prepared = wanted.prepared
     if foreign := [b.name for b in prepared.loop.observers if b.name not in (BASELINE, *OBSERVERS)]:
-        raise ScenarioError(f"{foreign[0]} is a Block of this process, which no text can send; sweep it without a cluster")
+        raise ScenarioError(
+            f"{foreign[0]} is a Block of this process, which no text can send; sweep it without a cluster"
+        )
     scenario = prepared.scenario
     content = {
         "scenario": [scenario.name, scenario.description, scenario.seed, dict(scenario.choices), dict(scenario.given)],

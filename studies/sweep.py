@@ -146,7 +146,7 @@ def sweep_planned(
 
 def on_threads(workers: int | None = None) -> Compute:
     """Parts on the threads of this process, the interpreter's lock released; one per core by default."""
-    count = _cores() if workers is None else workers
+    count = cores() if workers is None else workers
     if count < 1:
         raise ScenarioError(f"workers must be at least 1, not {count}")
 
@@ -182,7 +182,7 @@ def on_threads(workers: int | None = None) -> Compute:
     return compute
 
 
-def _cores() -> int:
+def cores() -> int:
     """The cores that this process may use."""
     return len(os.sched_getaffinity(0)) if sys.platform == "linux" else os.cpu_count() or 1
 

@@ -36,7 +36,9 @@ _INTERRUPTED, _NUMERICAL = 128, 1
 @click.option("--no-figures", is_flag=True, help="Write no figures.")
 @click.option("--workers", metavar="N", help="Threads, or processes of a local cluster; one per core by default.")
 @click.option("--baseline", metavar="NAME", help="Processors to compile for: this one; for a cluster, a class of them.")
-@click.option("--cluster", metavar="ADDRESS|local", help="Run on the dask scheduler at tls://HOST:PORT, or on one made here.")
+@click.option(
+    "--cluster", metavar="ADDRESS|local", help="Run on the dask scheduler at tls://HOST:PORT, or on one made here."
+)
 @click.option("--yes", is_flag=True, help="Do not ask before a very large sweep.")
 def sweep(
     scenario: str,
@@ -57,6 +59,7 @@ def sweep(
     """Run SCENARIO for all values of some parameters and many seeds; print where the errors are smallest."""
     with user_errors():
         from .axes import parse_axis
+        from .cluster import ClusterError
         from .files import writable_folder
         from .pace import Pace
         from .plan import MANY_RUNS, plan
@@ -87,7 +90,10 @@ def sweep(
         path = None if out is None else writable_folder(Path(out).parent) / Path(out).name
         with _signals(path), engine(count, cluster) as (compute, usual), counted("runs", wanted.runs) as advance:
             pace = Pace(advance)
-            dataset = sweep_planned(wanted, path, compute, baseline or usual, pace)
+            try:
+                dataset = sweep_planned(wanted, path, compute, baseline or usual, pace)
+            except ClusterError as error:
+                raise ClusterError(f"{error}{_kept(path)}") from error
         for note in (*pace.sentences(), *notes(dataset)):
             click.echo(note)
         print_table(optimum(dataset, quantities or SHOWN))
@@ -130,16 +136,22 @@ def _signals(out: Path | None) -> Iterator[None]:
     try:
         yield
     except _EndedError as ended:
-        kept = f"; what is done is kept in {out}.parts, the same command goes on" if out else ""
-        complain(f"stopped{kept}")
+        complain(f"stopped{_kept(out)}")
         sys.exit(_INTERRUPTED + ended.number)
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
 
 
-class _EndedError(Exception):
-    """A signal has come."""
+def _kept(out: Path | None) -> str:
+    """What is left of a sweep that ends too early."""
+    if out is None or not out.with_name(f"{out.name}.parts").exists():
+        return ""
+    return f"; what is done is kept in {out}.parts, the same command goes on"
+
+
+class _EndedError(BaseException):
+    """A signal has come; like KeyboardInterrupt, nothing that catches errors on the way may keep it."""
 
     def __init__(self, number: int) -> None:
         super().__init__(number)
