@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import importlib
 import ipaddress
@@ -11,12 +12,16 @@ import queue
 import re
 import time
 import warnings
+from asyncio import CancelledError
 from collections.abc import Callable, Iterable, Iterator
-from typing import TYPE_CHECKING, Any
+from concurrent.futures import ThreadPoolExecutor
+from typing import TYPE_CHECKING
 
 from .quote import shown
 
 if TYPE_CHECKING:
+    from distributed import Client, Future
+
     from ..codegen.batch import CompiledLoop
     from ..codegen.library import Array
     from .plan import Plan
@@ -44,7 +49,7 @@ def on_cluster(address: str, workers: int | None = None) -> Iterator[Compute]:
     """Parts on the workers of the dask scheduler at `address`, or of a cluster on this machine for `local`.
 
     workers: processes of a local cluster. ClusterError for what is no address, where no scheduler answers, for workers
-    with other code, and when the cluster is lost. Who can reach the ports of a scheduler or a worker can run code there.
+    with other code, and when the cluster is lost. Who can reach a port of a scheduler or worker can run code there.
     """
     if address != LOCAL and not _ADDRESS.fullmatch(address):
         raise ClusterError(f"{shown(address)} is no cluster; there are local, tcp://HOST:PORT and tls://HOST:PORT")
@@ -61,19 +66,23 @@ def on_cluster(address: str, workers: int | None = None) -> Iterator[Compute]:
         if address == LOCAL:
             client = stack.enter_context(local_client(workers or cores()))
         else:
-            client = stack.enter_context(_connected(dask, address))
-            _warn_of_open_ports([client.scheduler.address, *client.nthreads()])
+            client = stack.enter_context(_connected(address))
+            warn_of_open_ports([client.scheduler.address, *client.nthreads()])
 
         def compute(wanted: Plan, compiled: CompiledLoop, parts: Iterable[int]) -> Computed:
             from .worker import order
 
-            crew = _Crew(client, address, order(wanted, compiled))
             suspects: list[int] = []
-            yield from crew.run(parts, suspects.append)
-            # dask also blames what only waited beside the killer: each once more, alone
             killers: list[int] = []
-            for part in suspects:
-                yield from crew.run([part], killers.append)
+            told = order(wanted, compiled)
+            try:
+                crew = _Crew(client, address, told)
+                yield from crew.run(parts, suspects.append)
+                # dask also blames what only waited beside the killer: each once more, alone
+                for part in suspects:
+                    yield from crew.run([part], killers.append)
+            except (OSError, CancelledError) as error:
+                raise ClusterError(f"the scheduler of {address} is gone") from error
             if killers:
                 raise ClusterError(_blame(wanted, killers))
 
@@ -83,18 +92,19 @@ def on_cluster(address: str, workers: int | None = None) -> Iterator[Compute]:
 class _Crew:
     """The workers of one cluster at the parts of one sweep."""
 
-    def __init__(self, client: Any, address: str, told: str) -> None:
+    def __init__(self, client: Client, address: str, told: str) -> None:
         self._client, self._address = client, address
         # a task, not data: dask makes it again if the worker that holds it is lost
         self._told = client.submit(str, told, pure=False)
-        self._ended: queue.SimpleQueue[Any] = queue.SimpleQueue()
+        self._ended: queue.SimpleQueue[Future] = queue.SimpleQueue()
         self._seen = time.monotonic()  # when there was a worker or a result
 
     def run(self, parts: Iterable[int], killed: Callable[[int], None]) -> Iterator[tuple[int, Array]]:
         """Parts in the order in which they are done; those whose workers died again and again go to `killed`."""
         from .worker import work
 
-        waiting, running = iter(parts), dict[str, tuple[int, Any]]()
+        waiting = iter(parts)
+        running: dict[object, tuple[int, Future]] = {}
         while True:
             # a sweep of a million parts has no million futures
             for part in itertools.islice(waiting, max(0, self._room() - len(running))):
@@ -119,7 +129,7 @@ class _Crew:
         """How many parts may be under way."""
         return _AHEAD * max(1, sum(self._client.nthreads().values()))
 
-    def _batch(self) -> list[Any]:
+    def _batch(self) -> list[Future]:
         """The futures that have ended, one at least. ClusterError if nothing can be hoped for."""
         while True:
             with contextlib.suppress(queue.Empty):
@@ -133,29 +143,38 @@ class _Crew:
             elif time.monotonic() - self._seen > _PATIENCE:
                 raise ClusterError(f"the cluster {self._address} has had no worker for {_PATIENCE:g} s")
 
-    def _failure(self, future: Any) -> Exception:
+    def _failure(self, future: Future) -> BaseException:
         """Why a part has no numbers."""
-        if future.status != "error":
-            return ClusterError(f"the scheduler of {self._address} is gone")
-        error = future.exception()
-        if isinstance(error, ClusterError):
+        error = future.exception() if future.status == "error" else CancelledError()
+        if isinstance(error, ClusterError | CancelledError):
             return error
         return ClusterError(f"a worker of {self._address} failed: {type(error).__name__}: {error}")
 
 
 @contextlib.contextmanager
-def _connected(dask: Any, address: str) -> Iterator[Any]:
+def _connected(address: str) -> Iterator[Client]:
+    dask = importlib.import_module("distributed")
+
+    async def knock() -> None:
+        """Connect once: dask's own client would wait for ever for what is no scheduler."""
+        own = dask.Security().get_connection_args("client")
+        comm = await asyncio.wait_for(dask.comm.connect(address, timeout=_ANSWER, **own), _ANSWER)
+        await comm.close()
+
     try:
+        # a thread of its own: in a notebook, this one runs a loop already
+        ThreadPoolExecutor(1).submit(lambda: asyncio.run(knock())).result()
         client = dask.Client(address, timeout=_ANSWER, set_as_default=False)
-    except TypeError as error:  # no certificates
-        raise ClusterError(f"{address} needs certificates, see docs/scaling.md: {error}") from error
-    except (OSError, ValueError, ImportError) as error:
-        raise ClusterError(f"no scheduler of dask answers at {address}: {error}") from error
+    except TypeError as error:
+        raise ClusterError(f"for {address} dask has no certificates; see docs/scaling.md") from error
+    except (OSError, ValueError, RuntimeError) as error:
+        reason = str(error) or f"no word of its protocol within {_ANSWER:g} s"
+        raise ClusterError(f"no scheduler of dask answers at {address}: {reason}") from error
     with client:
         yield client
 
 
-def _warn_of_open_ports(addresses: Iterable[str]) -> None:
+def warn_of_open_ports(addresses: Iterable[str]) -> None:
     """Say if anyone on the network can read, and run code."""
     for address in addresses:
         found = _ADDRESS.fullmatch(address)

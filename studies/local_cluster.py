@@ -10,7 +10,10 @@ import signal
 import subprocess
 import sys
 from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from distributed import Client, Security
 
 LOOPBACK = "127.0.0.1"
 # seconds after which a worker gives up whose scheduler is gone
@@ -18,7 +21,7 @@ _ORPHANED = 10
 
 
 @contextlib.contextmanager
-def local_client(workers: int) -> Iterator[Any]:
+def local_client(workers: int) -> Iterator[Client]:
     """The client of a cluster with that many workers of one thread, for nobody else.
 
     It listens on loopback only, with a certificate of the moment, since ports of loopback are open to all users of a
@@ -47,7 +50,7 @@ def local_client(workers: int) -> Iterator[Any]:
         yield client
 
 
-def _settings(security: Any) -> dict[str, object]:
+def _settings(security: Security) -> dict[str, object]:
     """What workers are told beside their command: the certificate, and to serve no web pages."""
     tls = security.get_tls_config_for_role("worker")
     return {

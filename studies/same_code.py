@@ -20,8 +20,10 @@ _NEEDED = ("hillobs", "its source", "C library", "compiled library")
 
 @functools.cache
 def code(library: Path) -> dict[str, str]:
-    """What determines results here, `library` being the one that computes them. Its name holds the compiler's path
-    and the processor's features too, which may differ where the bytes do not."""
+    """What determines results here, `library` being the one that computes them.
+
+    Its bytes count, not its name, which also holds the compiler's path and what the processor can.
+    """
     return {
         "hillobs": metadata.version("hillobs"),
         "its source": _source(),

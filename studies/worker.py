@@ -23,7 +23,7 @@ _building = threading.Lock()
 
 
 def order(wanted: Plan, compiled: CompiledLoop) -> str:
-    """What a worker is told: the plan, for which processors to compile it, and what it must find to be the same code."""
+    """What a worker is told: the plan, for which processors to compile it, and what must be the same there."""
     return json.dumps({"plan": text_of(wanted), "baseline": compiled.baseline, "code": code(compiled.path)})
 
 
