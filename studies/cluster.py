@@ -127,7 +127,8 @@ class _Crew:
 
     def _room(self) -> int:
         """How many parts may be under way."""
-        return _AHEAD * max(1, sum(self._client.nthreads().values()))
+        threads: int = sum(self._client.nthreads().values())
+        return _AHEAD * max(1, threads)
 
     def _batch(self) -> list[Future]:
         """The futures that have ended, one at least. ClusterError if nothing can be hoped for."""

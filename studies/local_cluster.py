@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from distributed import Client, Security
 
 LOOPBACK = "127.0.0.1"
-# seconds after which a worker gives up whose scheduler is gone
-_ORPHANED = 10
+# seconds a worker may take to start, and after which it gives up if its scheduler is gone
+_ORPHANED = 60
 
 
 @contextlib.contextmanager
