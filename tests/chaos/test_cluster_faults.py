@@ -26,7 +26,7 @@ LIVES = 8.0  # mean seconds between two deaths; a worker takes some of them to s
 def test_whoever_dies_the_bits_are_the_same(at_once: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(planning, "PART", 64)
     whole = sweep("paper-noisy", OVER, seeds=400, baseline=PORTABLE)
-    lives, over, deaths = random.Random(int(at_once)), threading.Event(), []
+    lives, over, deaths = random.Random(int(at_once)), threading.Event(), []  # noqa: S311  no secret
     # so many may happen to hit one part
     scheduler = {"dashboard": False, "dashboard_address": "127.0.0.1:0", "allowed_failures": 100}
     with LocalCluster(
