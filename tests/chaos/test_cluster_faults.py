@@ -20,13 +20,13 @@ pytestmark = pytest.mark.chaos
 
 OVER = {"high_gain.eps_h": Range(0.02, 0.5, 25, logarithmic=True)}
 SHORTER = {"duration": 4.0}
-LIVES = 10.0  # mean seconds between two deaths; a worker takes some of them to start
+LIVES = 5.0  # mean seconds between two deaths; a worker takes some of them to start
 
 
 @pytest.mark.parametrize("at_once", [False, True])
 def test_whoever_dies_the_bits_are_the_same(at_once: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(planning, "PART", 64)
-    whole = sweep("paper-noisy", OVER, seeds=200, changes=SHORTER, baseline=PORTABLE)
+    whole = sweep("paper-noisy", OVER, seeds=400, changes=SHORTER, baseline=PORTABLE)
     out = tmp_path / "x.nc"
     lives, over, deaths = random.Random(int(at_once)), threading.Event(), []  # noqa: S311  no secret
     # so many may happen to hit one part
@@ -51,7 +51,7 @@ def test_whoever_dies_the_bits_are_the_same(at_once: bool, tmp_path: Path, monke
         reaper = threading.Thread(target=reap)
         reaper.start()
         try:
-            found = sweep("paper-noisy", OVER, seeds=200, changes=SHORTER, cluster=cluster.scheduler_address, out=out)
+            found = sweep("paper-noisy", OVER, seeds=400, changes=SHORTER, cluster=cluster.scheduler_address, out=out)
         finally:
             over.set()
             reaper.join()
