@@ -49,12 +49,12 @@ def local_client(workers: int) -> Iterator[Client]:
         command += ["--no-nanny", "--host", LOOPBACK, "--nthreads", "1", "--no-dashboard"]
         command += ["--death-timeout", str(_ORPHANED)]
         environment = {**os.environ, "DASK_INTERNAL_INHERIT_CONFIG": config.serialize(config.global_config)}
-        stack.enter_context(_kept_alive(workers, command, environment))
+        stack.enter_context(kept_alive(workers, command, environment))
         yield client
 
 
 @contextlib.contextmanager
-def _kept_alive(workers: int, command: list[str], environment: dict[str, str]) -> Iterator[None]:
+def kept_alive(workers: int, command: list[str], environment: dict[str, str]) -> Iterator[None]:
     """So many workers; another one for each that ends, until we leave."""
     over = threading.Event()
 

@@ -111,6 +111,7 @@ def test_a_part_that_kills_workers_is_named_and_the_others_kept(
     out = tmp_path / "x.nc"
     with monkeypatch.context() as patched:
         patched.setattr(worker, "work", work_or_die)
+        patched.setattr(two.scheduler, "allowed_failures", 0)  # each death takes a start
         words = r"part 2 ended every worker that took it: runs 8 to 11, high_gain.eps_h = 0.0447214, seed = 0 … 3$"
         with pytest.raises(ClusterError, match=words):
             swept(cluster=two.scheduler_address, out=out)
@@ -211,12 +212,14 @@ def test_open_ports_are_warned_of() -> None:
     warn_of_open_ports(["tcp://127.0.0.2:1", "tcp://[::1]:1", "localhost:1", "tls://10.0.0.7:8786"])
 
 
-def test_a_command_on_a_local_cluster_ends_with_its_workers_and_goes_on(tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "hillobs", "sweep", "paper-noisy", "--no-figures", "--set", "duration=2"]
-    command += ["--over", "high_gain.eps_h=log:0.02:0.5:40", "--seeds", "64", "--out"]
+def test_a_command_on_a_local_cluster_ends_with_its_workers_and_goes_on(
+    command: Callable[..., tuple[int, str, str]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    told = ["sweep", "paper-noisy", "--no-figures", "--set", "duration=2"]
+    told += ["--over", "high_gain.eps_h=log:0.02:0.5:40", "--seeds", "64", "--out"]
+    on = [sys.executable, "-m", "hillobs", *told, "cut.nc", "--cluster", "local", "--workers", "1"]
     mine = {**os.environ, "HILLOBS_TEST": str(tmp_path)}
-    on = ["--cluster", "local", "--workers", "1"]
-    process = subprocess.Popen([*command, "cut.nc", *on], cwd=tmp_path, env=mine, stderr=subprocess.PIPE, text=True)
+    process = subprocess.Popen(on, cwd=tmp_path, env=mine, stderr=subprocess.PIPE, text=True)
     folder, pause = tmp_path / "cut.nc.parts", threading.Event()
     while not list(folder.glob("*.part")) and process.poll() is None:
         pause.wait(0.02)
@@ -226,9 +229,25 @@ def test_a_command_on_a_local_cluster_ends_with_its_workers_and_goes_on(tmp_path
     assert words == "hillobs: stopped; what is done is kept in cut.nc.parts, the same command goes on\n"
     if sys.platform == "linux":
         assert not list(_with_environment(f"HILLOBS_TEST={tmp_path}".encode()))
+    monkeypatch.undo()
+    monkeypatch.chdir(tmp_path)
     for name in ("cut.nc", "whole.nc"):
-        subprocess.run([*command, name, "--baseline", PORTABLE], cwd=tmp_path, check=True, capture_output=True)
+        assert command(*told, name, "--baseline", PORTABLE)[0] == 0
     assert (tmp_path / "cut.nc").read_bytes() == (tmp_path / "whole.nc").read_bytes()
+
+
+def test_a_worker_that_ends_is_followed_by_another(tmp_path: Path) -> None:
+    started, each = tmp_path / "started", "import sys, time; open(sys.argv[1], 'a').write('x'); time.sleep(int(sys.argv[2]))"
+    pause = threading.Event()
+    with kept_alive(1, [sys.executable, "-S", "-c", each, str(started), "0"], dict(os.environ)):
+        while not started.exists() or len(started.read_bytes()) < 3:
+            pause.wait(0.02)
+    count = len(started.read_bytes())
+    with kept_alive(2, [sys.executable, "-S", "-c", each, str(started), "1000"], dict(os.environ)):
+        while len(started.read_bytes()) < count + 2:
+            pause.wait(0.02)
+    # none is left, and none comes any more
+    assert len(started.read_bytes()) == count + 2
 
 
 def _with_environment(entry: bytes) -> Iterator[str]:
