@@ -22,7 +22,7 @@ from ..model.symbols import QUANTITIES
 from ..observers.score import MEASURES
 from .axes import Values
 from .causes import cause_of, causes
-from .files import ResultError, load, save_netcdf
+from .files import LARGEST_RESULT, ResultError, load, save_netcdf
 from .loops import compile_loop
 from .measures import measures as measures_of
 from .parts import Parts
@@ -36,9 +36,6 @@ Progress = Callable[[int, int], None]
 # what computes parts, in any order; once closed it computes no more
 Computed = Generator[tuple[int, Array], None, None]
 Compute = Callable[[Plan, CompiledLoop, Iterable[int]], Computed]
-
-# a larger result belongs into several files
-_LARGEST_RESULT = 4e9
 
 
 class SweepWarning(UserWarning):
@@ -109,7 +106,7 @@ def sweep_planned(
     progress: Progress = lambda done, all_runs: None,
 ) -> xr.Dataset:
     """Run what `plan` has checked, keeping parts and result at `out` if it is given."""
-    if (size := wanted.runs * width(wanted) * 8) > _LARGEST_RESULT:
+    if (size := wanted.runs * width(wanted) * 8) > LARGEST_RESULT:
         raise ScenarioError(f"{wanted.runs:,} runs make a result of {size / 1e9:.0f} GB; cut the sweep into several")
     compiled = compile_loop(wanted.prepared.loop, baseline)
     identity = wanted.identity(compiled.path.stem)

@@ -5,7 +5,7 @@ import signal
 import subprocess
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +22,7 @@ from hillobs.studies import plan as planning
 from hillobs.studies import worker
 from hillobs.studies.axes import Range
 from hillobs.studies.cluster import ClusterError, ClusterWarning, on_cluster, warn_of_open_ports
+from hillobs.studies.local_cluster import kept_alive
 from hillobs.studies.plan import plan
 from hillobs.studies.plan_text import plan_of, text_of
 from hillobs.studies.same_code import difference
@@ -237,17 +238,16 @@ def test_a_command_on_a_local_cluster_ends_with_its_workers_and_goes_on(
 
 
 def test_a_worker_that_ends_is_followed_by_another(tmp_path: Path) -> None:
-    started, each = tmp_path / "started", "import sys, time; open(sys.argv[1], 'a').write('x'); time.sleep(int(sys.argv[2]))"
-    pause = threading.Event()
-    with kept_alive(1, [sys.executable, "-S", "-c", each, str(started), "0"], dict(os.environ)):
-        while not started.exists() or len(started.read_bytes()) < 3:
-            pause.wait(0.02)
-    count = len(started.read_bytes())
-    with kept_alive(2, [sys.executable, "-S", "-c", each, str(started), "1000"], dict(os.environ)):
-        while len(started.read_bytes()) < count + 2:
-            pause.wait(0.02)
-    # none is left, and none comes any more
-    assert len(started.read_bytes()) == count + 2
+    came, pause = tmp_path / "came", threading.Event()
+    came.touch()
+    mine = {**os.environ, "HILLOBS_TEST": str(tmp_path)}
+    for life, expected in (("0", 3), ("1000", 2)):
+        before = len(came.read_bytes())
+        with kept_alive(2, ["sh", "-c", 'printf x >> "$0"; exec sleep "$1"', str(came), life], mine):
+            while len(came.read_bytes()) < before + expected:
+                pause.wait(0.02)
+        if sys.platform == "linux":
+            assert not list(_with_environment(f"HILLOBS_TEST={tmp_path}".encode()))
 
 
 def _with_environment(entry: bytes) -> Iterator[str]:
