@@ -25,13 +25,13 @@ from .quote import shown
 from .scenario import Value, checked_number
 from .table import ScenarioError, block_paths
 
-# runs of a part: about a second of one core
+# runs of a part: about two seconds of one core
 PART = 512
 # counts up when the numbers of a part change their meaning, so that old parts are not read as new ones
 _LAYOUT = 3
 # from here on a sweep is asked for twice
 MANY_RUNS = 100_000_000
-# more of them make no result that fits into a file
+# even one score of more of them hardly fits into a file
 _MOST_SEEDS = 100_000_000
 # numbers that have to fit together are checked for every combination, if there are no more than these
 _MOST_CHECKS = 200_000

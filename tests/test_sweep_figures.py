@@ -43,7 +43,7 @@ def cause(variable: xr.DataArray) -> str:
 
 
 def drawn(dataset: xr.Dataset, *quantities: str) -> tuple[dict[str, Figure], str]:
-    """The figures, drawn to the last tick but not written; warnings are errors here."""
+    """The figures of some quantities, drawn to the last tick but not written; warnings are errors here."""
     found, sentence = sweep_figures(dataset.sel(quantity=list(quantities)) if quantities else dataset)
     for figure in found.values():
         figure.draw_without_rendering()
