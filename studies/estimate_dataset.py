@@ -112,7 +112,7 @@ def _manifest(case: Case, results: Mapping[str, Followed], library: str) -> dict
         "notes": json.dumps(case.recording.notes()),
         "muscles": case.pair.description,
         "numbers": json.dumps(dict(case.scales.numbers)),
-        "curves": json.dumps([case.pair.muscle1.curves, case.pair.muscle2.curves]),
+        "curves": json.dumps([muscle.curves.name for muscle in (case.pair.muscle1, case.pair.muscle2)]),
         "sizes": json.dumps(dataclasses.asdict(case.sizes)),
         "gains": json.dumps({name: dict(result.gains) for name, result in results.items()}),
         "substeps": json.dumps({name: result.substeps for name, result in results.items()}),
