@@ -9,7 +9,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from .spline import MOST_STEPS, Node, Spline, polynomial, powers
+from .spline import MOST_STEPS, Node, Spline, powers
 
 Array = NDArray[np.float64]
 
@@ -46,7 +46,8 @@ def fit(x: Array, y: Array, rising: bool = False, foot: bool = False) -> Fit:
     slope, curvature = natural(x, y)
     if rising:
         slope, curvature = _limited(x, y, slope, curvature)
-    start = np.flatnonzero(y == y[0])[-1] if foot else 0
+    # a curve that stays flat is one piece all the same
+    start = min(np.flatnonzero(y == y[0])[-1], len(y) - 2) if foot else 0
     nodes = [Node(*map(float, numbers)) for numbers in zip(x, y, slope, curvature, strict=True)][start:]
     tolerance, largest = _TOLERANCE, float(np.abs(y).max())
     while True:
@@ -56,7 +57,7 @@ def fit(x: Array, y: Array, rising: bool = False, foot: bool = False) -> Fit:
         if tolerance >= _LARGEST_TOLERANCE:
             raise TableError(
                 f"cannot be followed to {_LARGEST_TOLERANCE:.1%} with {_MOST_PIECES} pieces: it is too rough; "
-                f"smooth it, or give {_MOST_PIECES + 1} points"
+                f"smooth it, or give {_MOST_PIECES + 1} points at most"
             )
         tolerance *= 10
 
@@ -113,15 +114,15 @@ def _thinned(nodes: list[Node], tolerance: float, rising: bool) -> Fit:
     kept, error, at = nodes[:1], 0.0, 0
     x, y = (np.array([getattr(node, name) for node in nodes]) for name in ("x", "y"))
     # what lies halfway between the points, on the spline through all of them
-    middle = np.array([a.y + polynomial(powers(a, b), 0.5) for a, b in zip(nodes[:-1], nodes[1:], strict=True)])
+    middle = np.array([_at(a, b, (a.x + b.x) / 2) for a, b in itertools.pairwise(nodes)])
     while at < len(nodes) - 1:
         end, missed = at + 1, 0.0
         while end + 1 < len(nodes):
             a, b = nodes[at], nodes[end + 1]
-            c, inner, halves = powers(a, b), slice(at + 1, end + 1), slice(at, end + 1)
-            between = (x[at : end + 1] + x[at + 1 : end + 2]) / 2
+            inner, halves = slice(at + 1, end + 1), slice(at, end + 1)
+            between = (x[halves] + x[at + 1 : end + 2]) / 2
             off = [
-                np.abs(a.y + polynomial(c, (place - a.x) / (b.x - a.x)) - value).max()
+                np.abs(_at(a, b, place) - value).max()
                 for place, value in ((x[inner], y[inner]), (between, middle[halves]))
             ]
             if max(off) > tolerance or (rising and not _rises(a, b)):
@@ -131,6 +132,11 @@ def _thinned(nodes: list[Node], tolerance: float, rising: bool) -> Fit:
         kept.append(nodes[end])
         at = end
     return Fit(Spline(tuple(kept)), error)
+
+
+def _at(a: Node, b: Node, x: float | Array) -> Array:
+    """The piece from a to b at x."""
+    return np.asarray(a.y + np.polyval((*powers(a, b)[::-1], 0.0), (x - a.x) / (b.x - a.x)), dtype=np.float64)
 
 
 def _rises(a: Node, b: Node) -> bool:
@@ -144,4 +150,4 @@ def _rises(a: Node, b: Node) -> bool:
         b.y - h * b.slope / 5,
         b.y,
     )
-    return all(p <= q for p, q in zip(points[:-1], points[1:], strict=True))
+    return all(p <= q for p, q in itertools.pairwise(points))

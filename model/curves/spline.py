@@ -5,15 +5,12 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, TypeVar
 
 import casadi as ca
 
 from ..dialect import chosen, clamp
 
 Number = ca.SX | float
-# symbols, numbers or arrays
-T = TypeVar("T", bound=Any)
 
 # steps that find a point of the worst rising piece to the last bits; most curves need three
 MOST_STEPS = 13
@@ -47,7 +44,7 @@ class Spline:
         rows = [(a.x, 1 / (b.x - a.x), a.y, *powers(a, b)) for a, b in itertools.pairwise(self.nodes)]
         start, per_width, y, *c = chosen(rows, [inside >= node.x for node in self.nodes[1:-1]])
         line = first.slope * ca.fmin(x - first.x, 0) + last.slope * ca.fmax(x - last.x, 0)
-        return y + polynomial(c, (inside - start) * per_width) + line
+        return y + _polynomial(c, (inside - start) * per_width) + line
 
     def inverse(self, y: ca.SX, beta: Number = 0.0) -> ca.SX:
         """The x with y(x) + βx = y, for a y that rises; where the curve begins flat, its beginning for all below."""
@@ -55,10 +52,9 @@ class Spline:
         ys = [node.y + beta * node.x for node in self.nodes]
         inside = clamp(y, ys[0], ys[-1])
         rows = []
-        for (a, b), y0, y1 in zip(itertools.pairwise(self.nodes), ys[:-1], ys[1:], strict=True):
-            width = b.x - a.x
+        for (a, b), (low, high) in zip(itertools.pairwise(self.nodes), itertools.pairwise(ys), strict=True):
             first, *others = powers(a, b)
-            rows.append((y0, 1 / (y1 - y0), a.x, width, first + beta * width, *others))
+            rows.append((low, 1 / (high - low), a.x, b.x - a.x, first + beta * (b.x - a.x), *others))
         start, per_rise, x, width, *c = chosen(rows, [inside >= value for value in ys[1:-1]])
         t = _parameter(inside - start, per_rise, c, self.steps)
         before, after = self.nodes[0].slope + beta, self.nodes[-1].slope + beta
@@ -82,7 +78,7 @@ def powers(a: Node, b: Node) -> tuple[float, float, float, float, float]:
     )
 
 
-def polynomial(c: Sequence[T], t: T) -> T:
+def _polynomial(c: Sequence[ca.SX], t: ca.SX) -> ca.SX:
     """c₁t + … + c₅t⁵."""
     c1, c2, c3, c4, c5 = c
     return t * (c1 + t * (c2 + t * (c3 + t * (c4 + t * c5))))
@@ -97,7 +93,7 @@ def _parameter(target: ca.SX, per_rise: ca.SX, c: Sequence[ca.SX], steps: int) -
     for _ in range(steps - 1):
         q, found = _step(c, t, target)
         # the root stays between; a step that would leave halves
-        low, high = ca.fmax(low, t * (q < 0)), ca.fmin(high, 1 + (t - 1) * (q > 0))
+        low, high = ca.fmax(low, t * (q < 0)), ca.fmin(high, ca.fmax(t, q <= 0))
         middle = (low + high) / 2
         within = ca.logic_and(found >= low * (1 - _SLACK), found <= high * (1 + _SLACK))
         t = middle + within * (found - middle)
@@ -108,7 +104,7 @@ def _parameter(target: ca.SX, per_rise: ca.SX, c: Sequence[ca.SX], steps: int) -
 def _step(c: Sequence[ca.SX], t: ca.SX, target: ca.SX) -> tuple[ca.SX, ca.SX]:
     """The error at t, and a better t."""
     c1, c2, c3, c4, c5 = c
-    q = polynomial(c, t) - target
+    q = _polynomial(c, t) - target
     dq = c1 + t * (2 * c2 + t * (3 * c3 + t * (4 * c4 + t * 5 * c5)))
     half = c2 + t * (3 * c3 + t * (6 * c4 + t * 10 * c5))
     # t ← t − q q′/(q′² − q q″/2)   Halley, at most twice Newton's step

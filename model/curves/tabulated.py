@@ -18,7 +18,9 @@ from .spline import Spline
 Points = tuple[tuple[float, float], ...]
 
 _SOURCE = "docs/curves.md"
-_LEAST_POINTS, MOST_POINTS = 4, 10_000
+_LEAST_POINTS, MOST_POINTS = 4, 5_000
+# beyond these, in own units, numbers have other units, or a curve has a step
+_LARGEST, _STEEPEST = 20.0, 10_000.0
 # own units say where some curves are 0 or 1; tables of other units miss it by more
 _UNIT_ERROR = 0.02
 # a tendon's slack length in itself, the length of the largest force in itself
@@ -79,18 +81,25 @@ def _checked(points: Points) -> tuple[Array, Array]:
     if not _LEAST_POINTS <= len(points) <= MOST_POINTS:
         raise TableError(f"has {len(points):,} points; a curve needs {_LEAST_POINTS} to {MOST_POINTS:,}")
     x, y = np.array(points, dtype=float).T
-    if wrong := np.flatnonzero(~(np.isfinite(x) & np.isfinite(y))).tolist():
-        raise TableError(f"point {wrong[0] + 1} is no pair of finite numbers: {x[wrong[0]]:g}, {y[wrong[0]]:g}")
+    if wrong := np.flatnonzero(~((np.abs(x) <= _LARGEST) & (np.abs(y) <= _LARGEST))).tolist():
+        at = wrong[0]
+        raise TableError(
+            f"point {at + 1}, ({x[at]:.6g}, {y[at]:.6g}), must be two numbers within ±{_LARGEST:g}: "
+            "tables are in a muscle's own units"
+        )
     if wrong := np.flatnonzero(np.diff(x) <= 0).tolist():
         at = wrong[0]
         raise TableError(f"x must rise from point to point, and point {at + 2} has {x[at + 1]:.9g} after {x[at]:.9g}")
+    if wrong := np.flatnonzero(np.abs(np.diff(y)) > _STEEPEST * np.diff(x)).tolist():
+        at = wrong[0]
+        raise TableError(f"has a step from {y[at]:.6g} to {y[at + 1]:.6g} at x = {x[at]:.9g}, point {at + 1}")
     return x, y
 
 
 def _tendon(x: Array, y: Array) -> Fit:
     if y[0] != 0:
         raise TableError(f"must begin with force 0, where the tendon is slack, not {y[0]:.6g}")
-    slack = int(np.flatnonzero(y == 0)[-1])
+    slack = max(int(np.argmax(y != 0)) - 1, 0)
     _refuse_falling(x[slack:], y[slack:], slack, strictly=True)
     if abs(x[slack] - 1) > _NEAR_SLACK:
         raise TableError(
@@ -135,7 +144,9 @@ def _refuse_falling(x: Array, y: Array, before: int, strictly: bool) -> None:
     if at := np.flatnonzero(wrong)[:1].tolist():
         here, point = at[0], before + at[0] + 2
         must = "rise from point to point" if strictly else "never fall"
-        raise TableError(f"y must {must}, and point {point} (x = {x[here + 1]:.6g}) has {y[here + 1]:.9g} after {y[here]:.9g}")
+        raise TableError(
+            f"y must {must}, and point {point} (x = {x[here + 1]:.6g}) has {y[here + 1]:.9g} after {y[here]:.9g}"
+        )
 
 
 def _value(curve: Spline, x: float) -> float:
