@@ -121,7 +121,7 @@ tables_that_rise = st.lists(st.tuples(st.floats(0.02, 1.0), st.floats(-4, 0)), m
 )
 
 
-@settings(max_examples=25)
+@settings(max_examples=15)
 @given(table=tables_that_rise, foot=st.booleans(), beta=st.sampled_from([0.0, 0.05, 3.0]))
 def test_a_table_that_rises_gives_a_curve_that_rises_and_an_inverse_that_finds_back(
     table: np.ndarray, foot: bool, beta: float

@@ -13,8 +13,8 @@ from .spline import MOST_STEPS, Node, Spline, powers
 
 Array = NDArray[np.float64]
 
-# of the largest value; a table that needs more pieces is followed ten times less closely, down to the second
-_TOLERANCE, _LARGEST_TOLERANCE = 1e-6, 1e-3
+# how closely a table is followed, of its largest value: the first that needs no more pieces than these
+_TOLERANCES = (1e-6, 1e-5, 1e-4, 1e-3)
 _MOST_PIECES = 64
 # slopes where two pieces meet, in those of the straight lines on both sides, so that both pieces rise
 _GENTLEST, _STEEPEST = 0.1, 1.25
@@ -49,17 +49,14 @@ def fit(x: Array, y: Array, rising: bool = False, foot: bool = False) -> Fit:
     # a curve that stays flat is one piece all the same
     start = min(np.flatnonzero(y == y[0])[-1], len(y) - 2) if foot else 0
     nodes = [Node(*map(float, numbers)) for numbers in zip(x, y, slope, curvature, strict=True)][start:]
-    tolerance, largest = _TOLERANCE, float(np.abs(y).max())
-    while True:
-        found = _thinned(nodes, tolerance * largest, rising)
+    for tolerance in _TOLERANCES:
+        found = _thinned(nodes, tolerance * float(np.abs(y).max()), rising)
         if len(found.curve.nodes) <= _MOST_PIECES + 1:
             return found
-        if tolerance >= _LARGEST_TOLERANCE:
-            raise TableError(
-                f"cannot be followed to {_LARGEST_TOLERANCE:.1%} with {_MOST_PIECES} pieces: it is too rough; "
-                f"smooth it, or give {_MOST_PIECES + 1} points at most"
-            )
-        tolerance *= 10
+    raise TableError(
+        f"cannot be followed to {_TOLERANCES[-1]:.1%} with {_MOST_PIECES} pieces: it is too rough; "
+        f"smooth it, or give {_MOST_PIECES + 1} points at most"
+    )
 
 
 def invertible(found: Fit) -> Fit:
@@ -73,7 +70,7 @@ def invertible(found: Fit) -> Fit:
         x = curve.inverse(y, beta)
         error = ca.Function("error", [y, beta], [ca.fabs(curve(x) + beta * x - y)])
         values = np.array(ca.Function("value", [y], [curve(y)])(places)).ravel()
-        if all(float(ca.mmax(error(values + b * places, b))) <= _EXACT * largest for b in _DRAGS):
+        if all(np.array(error(values + b * places, b)).max() <= _EXACT * largest for b in _DRAGS):
             return replace(found, curve=replace(curve, steps=steps + 1))
     return found
 
