@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Sequence
+
 import casadi as ca
 
 # keeps e/(δ + |e|) defined for e = δ = 0 and changes no other value
@@ -18,6 +21,14 @@ def clamp(value: ca.SX, low: ca.SX | float, high: ca.SX | float) -> ca.SX:
 def outside(value: ca.SX, low: ca.SX | float, high: ca.SX | float) -> ca.SX:
     """1 where `clamp` changes the value, else 0."""
     return ca.logic_or(value < low, value > high)
+
+
+def chosen(rows: Sequence[Sequence[ca.SX | float]], beyond: Sequence[ca.SX]) -> list[ca.SX]:
+    """The row of a table that a value is in: the first, or the last one whose flag in `beyond` is 1."""
+    row = [ca.SX(number) for number in rows[0]]
+    for flag, (old, new) in zip(beyond, itertools.pairwise(rows), strict=True):
+        row = [value + flag * (b - a) for value, a, b in zip(row, old, new, strict=True)]
+    return row
 
 
 def sg(error: ca.SX, delta: ca.SX) -> ca.SX:

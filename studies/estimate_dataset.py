@@ -11,6 +11,7 @@ import numpy as np
 import xarray as xr
 
 from ..codegen.library import Array
+from ..model.curves import CURVES
 from ..model.symbols import STATES, hat
 from .versions import versions
 
@@ -105,14 +106,17 @@ def _about(unit: str, sentence: str) -> dict[str, str]:
 
 def _manifest(case: Case, results: Mapping[str, Followed], library: str) -> dict[str, str]:
     """What the estimates can be repeated from; everything as text, for NetCDF."""
+    sets = [muscle.curves for muscle in (case.pair.muscle1, case.pair.muscle2)]
+    # how closely a user's tables are followed
+    tables = {f"{curves.name}: {curves.sentence}": None for curves in sets if curves.name not in CURVES}
     return {
         "Conventions": "CF-1.11",
         "title": f"hillobs: estimates from {case.recording.source}",
         "source": case.recording.source,
-        "notes": json.dumps(case.recording.notes()),
+        "notes": json.dumps([*case.recording.notes(), *tables]),
         "muscles": case.pair.description,
         "numbers": json.dumps(dict(case.scales.numbers)),
-        "curves": json.dumps([case.pair.muscle1.curves, case.pair.muscle2.curves]),
+        "curves": json.dumps([curves.name for curves in sets]),
         "sizes": json.dumps(dataclasses.asdict(case.sizes)),
         "gains": json.dumps({name: dict(result.gains) for name, result in results.items()}),
         "substeps": json.dumps({name: result.substeps for name, result in results.items()}),

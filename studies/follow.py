@@ -12,7 +12,7 @@ from ..codegen.filters import CompiledBank
 from ..codegen.library import Array
 from ..codegen.stepper import STAGES
 from ..model.block import Block, Symbols, symbols
-from ..model.curves import CURVES, Curves, tendon_parameters
+from ..model.curves import Curves, tendon_parameters
 from ..model.symbols import MEASURED
 from ..observers import FOLLOWERS, estimator
 from ..observers.tendons import LENGTHS, tendons, tendons_of_a_step
@@ -25,7 +25,7 @@ _LENGTHS = "lengths"
 
 def curves_of(pair: MusclePair) -> Curves:
     """The curve sets of a pair."""
-    first, second = CURVES[pair.muscle1.curves], CURVES[pair.muscle2.curves]
+    first, second = pair.muscle1.curves, pair.muscle2.curves
     return first if first is second else (first, second)
 
 

@@ -10,8 +10,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..model.block import Parameter
-from ..model.curves import CURVES, NGUYEN2019_PRINTED
+from ..model.curves import CURVES, NGUYEN2019_PRINTED, CurveSet
 from ..model.symbols import MUSCLES
+from .curve_file import SUFFIX, read_curves
 from .quote import short, shown
 from .scenario import within
 from .table import ScenarioError
@@ -42,7 +43,7 @@ SCALED = ("L_slack", "F_max", "l_opt", "v_max")
 class Muscle:
     """F_max N, lengths m, v_max in own optimal fibre lengths per second; `numbers` are those of the curve set."""
 
-    curves: str
+    curves: CurveSet
     F_max: float
     optimal_fibre_length: float
     tendon_slack_length: float
@@ -68,13 +69,16 @@ def read_muscles(path: str | Path) -> MusclePair:
     except TomlError as error:
         raise ScenarioError(str(error)) from error
     try:
-        return muscle_pair(content)
+        return muscle_pair(content, Path(path).parent)
     except ScenarioError as error:
         raise ScenarioError(f"{path}: {error}") from error
 
 
-def muscle_pair(content: Mapping[str, object]) -> MusclePair:
-    """The muscles of a TOML document: mass, C, [muscle1], [muscle2], or [muscle] for both. ScenarioError as above."""
+def muscle_pair(content: Mapping[str, object], folder: Path = Path()) -> MusclePair:
+    """The muscles of a TOML document: mass, C, [muscle1], [muscle2], or [muscle] for both. ScenarioError as above.
+
+    folder: where files of curves are looked for.
+    """
     sections = {name: _section(content, name) for name in (_BOTH, *MUSCLES)}
     _refuse_unknown(content, [*PAIR, "description", *sections], "")
     description = content.get("description", "")
@@ -85,7 +89,7 @@ def muscle_pair(content: Mapping[str, object]) -> MusclePair:
         name: {key: (value, f"{place}.{key}") for place in (_BOTH, name) for key, value in sections[place].items()}
         for name in MUSCLES
     }
-    curves = {name: _curves(name, given[name]) for name in MUSCLES}
+    curves = {name: _curves(name, given[name], folder) for name in MUSCLES}
     keys = {name: ["curves", *SIZES, *_numbers_of(curves[name])] for name in MUSCLES}
     for place, known in {**keys, _BOTH: list(dict.fromkeys(itertools.chain(*keys.values())))}.items():
         _refuse_unknown(sections[place], known, f"{place}.")
@@ -116,23 +120,28 @@ def _refuse_unknown(given: Iterable[str], known: list[str], prefix: str) -> None
             )
 
 
-def _curves(muscle: str, given: Mapping[str, tuple[object, str]]) -> str:
+def _curves(muscle: str, given: Mapping[str, tuple[object, str]], folder: Path) -> CurveSet:
     # the printed toe jumps: no muscle has it
     every = [name for name in CURVES if name != NGUYEN2019_PRINTED.name]
     if "curves" not in given:
-        raise ScenarioError(f"{muscle}.curves is missing; there are {', '.join(every)}")
+        raise ScenarioError(f"{muscle}.curves is missing; there are {', '.join(every)}, or a {SUFFIX} file")
     value, path = given["curves"]
+    if isinstance(value, str) and value.endswith(SUFFIX):
+        try:
+            return read_curves(folder / value)
+        except ScenarioError as error:
+            raise ScenarioError(f"{path}: {error}") from error
     if not isinstance(value, str) or value not in every:
-        raise ScenarioError(f"{path} must be one of {', '.join(every)}, not {shown(value)}")
-    return value
+        raise ScenarioError(f"{path} must be one of {', '.join(every)}, or a {SUFFIX} file, not {shown(value)}")
+    return CURVES[value]
 
 
-def _numbers_of(curves: str) -> dict[str, Parameter]:
+def _numbers_of(curves: CurveSet) -> dict[str, Parameter]:
     """What a curve set has beside the sizes; it may be left out."""
-    return {key: parameter for key, parameter in CURVES[curves].parameters.items() if key not in SCALED}
+    return {key: parameter for key, parameter in curves.parameters.items() if key not in SCALED}
 
 
-def _muscle(curves: str, given: Mapping[str, tuple[object, str]]) -> Muscle:
+def _muscle(curves: CurveSet, given: Mapping[str, tuple[object, str]]) -> Muscle:
     def number(key: str, parameter: Parameter) -> float:
         value, path = given[key]
         return within(path, value, parameter)

@@ -10,7 +10,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from ..codegen.library import Array
-from ..model.curves import CURVES
 from ..model.symbols import MUSCLES
 from .muscle_file import SCALED, Muscle, MusclePair
 from .table import ScenarioError
@@ -81,7 +80,7 @@ def scales(pair: MusclePair) -> Scales:
 
 def _curve_numbers(name: str, muscle: Muscle, first: Muscle) -> dict[str, float]:
     """The numbers of a muscle's curve set, its sizes in those of muscle 1."""
-    curves = CURVES[muscle.curves]
+    curves = muscle.curves
     sizes = dict(
         zip(
             SCALED,
@@ -98,7 +97,7 @@ def _curve_numbers(name: str, muscle: Muscle, first: Muscle) -> dict[str, float]
     unlike = [key for key in SCALED if key not in curves.parameters and sizes[key] != 1]
     if unlike:
         raise ScenarioError(
-            f"{name}: curves {muscle.curves} have no size of their own: {', '.join(unlike)} must be that of muscle1"
+            f"{name}: curves {curves.name} have no size of their own: {', '.join(unlike)} must be that of muscle1"
         )
     numbers = {key: {**muscle.numbers, **sizes}[key] for key in curves.parameters}
     if objection := curves.objection({key: numbers[key] for key in curves.tendon}):

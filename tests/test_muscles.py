@@ -69,7 +69,7 @@ def test_the_files_of_the_public_recordings(name: str, strains: tuple[float, flo
     pair = read_muscles(FILES / f"{name}.toml")
     assert (pair.mass, pair.C, pair.muscle1) == (20.0, 0.62, pair.muscle2)
     one = pair.muscle1
-    assert (one.curves, one.F_max, one.optimal_fibre_length) == (SETS[name], 1000.0, 0.1)
+    assert (one.curves.name, one.F_max, one.optimal_fibre_length) == (SETS[name], 1000.0, 0.1)
     assert (one.tendon_slack_length, one.v_max) == (0.2, 10.0)
     assert (one.numbers["tendon_strain"], one.numbers["passive_strain"], one.numbers["damping"]) == (*strains, 0.0)
     assert len(pair.description) > 20

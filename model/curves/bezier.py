@@ -5,13 +5,12 @@ Millard, Uchida, Seth and Delp, Flexing computational muscle, Journal of Biomech
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import casadi as ca
 
-from ..dialect import clamp
+from ..dialect import chosen, clamp
 
 Number = ca.SX | float
 # where a coordinate begins, and the three steps by which its control points rise
@@ -75,18 +74,10 @@ def _follow(value: ca.SX, along: Sequence[Rise], across: Sequence[Rise], before:
     first, last = along[0][0], sum(along[-1])
     inside = clamp(value, first, last)
     beyond = [inside >= rise[0] for rise in along[1:]]
-    start, *steps = _chosen(along, beyond)
+    start, *steps = chosen(along, beyond)
     t = _parameter(inside - start, steps)
-    y0, *rises = _chosen(across, beyond)
+    y0, *rises = chosen(across, beyond)
     return y0 + _point(rises, t) + before * ca.fmin(value - first, 0) + after * ca.fmax(value - last, 0)
-
-
-def _chosen(rises: Sequence[Rise], beyond: Sequence[ca.SX]) -> list[ca.SX]:
-    """The numbers of the segment that the value is in: beyond all earlier ends."""
-    chosen = [ca.SX(number) for number in rises[0]]
-    for flag, (old, new) in zip(beyond, itertools.pairwise(rises), strict=True):
-        chosen = [value + flag * (b - a) for value, a, b in zip(chosen, old, new, strict=True)]
-    return chosen
 
 
 def _sum(y: Rise, x: Rise, beta: Number) -> Rise:
