@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 
 from .quote import escaped
-from .terminal import bar, print_table, user_errors
+from .terminal import bar, complain, print_table, user_errors
 
 _NUMERICAL = 1
 
@@ -41,7 +41,7 @@ def estimate(
     with user_errors():
         from .estimate import estimate as estimated
         from .estimate_files import save_estimates
-        from .estimate_report import notes, score_table
+        from .estimate_report import failures, notes, score_table
         from .estimate_scores import scores
         from .files import writable_folder
         from .mapping import read_mapping
@@ -75,5 +75,8 @@ def estimate(
 
                 paths += write_figures({"sheet": estimate_sheet(dataset)}, folder, "estimates")
         click.echo(escaped(f"written to {folder}/: {', '.join(path.name for path in paths)}"))
-    if not dataset.velocity_hat.notnull().all():
+        ended = list(failures(dataset))
+    for sentence in ended:
+        complain(sentence)
+    if ended:
         sys.exit(_NUMERICAL)

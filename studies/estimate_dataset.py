@@ -105,11 +105,12 @@ def _about(unit: str, sentence: str) -> dict[str, str]:
 
 def _manifest(case: Case, results: Mapping[str, Followed], library: str) -> dict[str, str]:
     """What the estimates can be repeated from; everything as text, for NetCDF."""
+    recording = case.recording
     return {
         "Conventions": "CF-1.11",
-        "title": f"hillobs: estimates from {case.recording.source}",
-        "source": case.recording.source,
-        "notes": json.dumps(case.recording.notes()),
+        "title": f"hillobs: estimates from {recording.source}",
+        "source": recording.source,
+        "notes": json.dumps(recording.notes()),
         "muscles": case.pair.description,
         "numbers": json.dumps(dict(case.scales.numbers)),
         "curves": json.dumps([case.pair.muscle1.curves, case.pair.muscle2.curves]),
@@ -117,6 +118,8 @@ def _manifest(case: Case, results: Mapping[str, Followed], library: str) -> dict
         "gains": json.dumps({name: dict(result.gains) for name, result in results.items()}),
         "substeps": json.dumps({name: result.substeps for name, result in results.items()}),
         "period": repr(case.period / case.scales.rate),
+        "longest_step": repr(float(np.diff(recording.time).max())),
+        "duration": repr(float(recording.time[-1] - recording.time[0])),
         "samples": str(len(case.tau)),
         "every": str(case.every),
         "corrected": json.dumps(case.corrected),

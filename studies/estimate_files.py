@@ -17,19 +17,22 @@ _PER_MUSCLE = ("tendon_length", "fibre_length", "fibre_velocity", "activation")
 
 
 def save_estimates(dataset: xr.Dataset, found: list[Score], folder: Path) -> list[Path]:
-    """Write `estimates.nc`, `.csv`, an `.sto` per observer, and `scores.csv` if there are any; the paths written."""
+    """Write `estimates.nc`, `.csv`, an `.sto` per observer, and `scores.csv` if there are any; the paths written.
+
+    The .sto files have the measured forces too, so each is a recording that can be read.
+    """
     observers = dataset.observer.values.tolist()
     paths = [folder / "estimates.nc", folder / "estimates.csv"]
     save_netcdf(dataset, paths[0])
     time = Series("time", "s", dataset.time.values)
-    measured = [Series("position", "m", dataset.position.values)]
-    measured += [Series(f"force_{j}", "N", dataset.force.sel(muscle=j).values) for j in (1, 2)]
+    position = Series("position", "m", dataset.position.values)
+    forces = [Series(f"force_{j}", "N", dataset.force.sel(muscle=j).values) for j in (1, 2)]
     prefixes = {name: f"{name}." if len(observers) > 1 else "" for name in observers}
     every = [series for name, prefix in prefixes.items() for series in _series(dataset, name, prefix)]
-    write_csv(paths[1], [time, *measured, *every])
+    write_csv(paths[1], [time, position, *forces, *every])
     for name in observers:
         path = folder / ("estimates.sto" if len(observers) == 1 else f"estimates-{name}.sto")
-        own = [Series(OPENSIM[s.name.removesuffix("_hat")], s.unit, s.values) for s in _plain(dataset, name)]
+        own = [Series(OPENSIM[series.name], series.unit, series.values) for series in (*forces, *_plain(dataset, name))]
         write_sto(path, f"estimates of {name} from {dataset.attrs['source']}", [time, *own])
         paths.append(path)
     if found:

@@ -1,5 +1,6 @@
 """Observers that follow samples: against a NumPy text of the same equations, a simulation, and a loop by hand."""
 
+import itertools
 from collections.abc import Mapping
 
 import numpy as np
@@ -114,7 +115,7 @@ def test_pieces_change_no_bit(observer: str, cuts: list[int], substeps: int) -> 
     whole = compiled.follow(observer, values, substeps).samples(t, y)
     filter_ = compiled.follow(observer, values, substeps)
     edges = [0, *sorted(cuts), 60]
-    pieces = [filter_.samples(t[a:b], y[a:b]) for a, b in zip(edges[:-1], edges[1:], strict=True)]
+    pieces = [filter_.samples(t[a:b], y[a:b]) for a, b in itertools.pairwise(edges)]
     assert np.concatenate([piece.y for piece in pieces]).tobytes() == whole.y.tobytes()
     assert np.concatenate([piece.guards for piece in pieces]).tobytes() == whole.guards.tobytes()
 
@@ -158,7 +159,7 @@ def test_each_step_of_time_counts_as_it_is() -> None:
 
 def test_an_observer_that_jumps_at_samples_sees_each_once() -> None:
     x, u, p = symbols("mean count"), symbols("y1 y2 y3"), Symbols()
-    zero = {name: u.y1 * 0 for name in ("x2_hat", "Delta_hat", "x3_hat", "u1_hat", "x4_hat", "u2_hat")}
+    zero = dict.fromkeys(("x2_hat", "Delta_hat", "x3_hat", "u1_hat", "x4_hat", "u2_hat"), u.y1 * 0)
     # mean⁺ = mean + (y₁ − mean)/(count + 1)
     block = Block(
         "sampled",
