@@ -110,7 +110,7 @@ def _differences(axes: Axes, thin: xr.Dataset, looks: Mapping[str, style.Style],
 def _settled(array: xr.DataArray) -> Array:
     """The finite values after observers have found in, or all of a short recording."""
     late = array.sel(time=slice(float(array.time[0]) + SETTLED, None))
-    values = (late if late.sizes["time"] else array).values
+    values: Array = (late if late.sizes["time"] else array).values
     return values[np.isfinite(values)]
 
 

@@ -15,6 +15,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 import hillobs
+from hillobs.model.block import Symbols
 from hillobs.model.curves import CURVES
 from hillobs.observers import FOLLOWERS
 from hillobs.studies import follow
@@ -101,7 +102,7 @@ def activation(
 ) -> np.ndarray:
     """From a tendon force, a muscle's length and the velocity of its fibre, in SI."""
     curve = CURVES[getattr(pair, f"muscle{j}").curves]
-    numbers = {name: s.numbers[f"muscle{j}.{name}"] for name in curve.parameters}
+    numbers = Symbols({name: ca.SX(s.numbers[f"muscle{j}.{name}"]) for name in curve.parameters})
     F, L, u = (ca.SX.sym(name) for name in "FLu")
     a = curve.activation(F, L - curve.Phi_S_inv(F, numbers), u, numbers)
     # u_j = −fibre velocity_j/(l₀v₀)
@@ -140,7 +141,7 @@ def unlike(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
     changes = {f"muscle{j}.curves": getattr(pair, f"muscle{j}").curves for j in (1, 2)} | dict(s.numbers)
     changes |= {"initial.x1": 3.1, "initial.x3": 2.03, "initial.x4": 1.92, "uncertainty.offset": 0.02}
     changes |= {"uncertainty.amplitude": 0.08, "uncertainty.frequency": 0.3, "activation1.frequency": 0.35}
-    changes |= {"activation2.frequency": 0.25, "noise.period": 0, "score.start": 1.0}
+    changes |= {"activation2.frequency": 0.25, "noise.period": 0, "noise.drift": 0}
     changes |= {"duration": 3000 * period, "step": period / 2, "record": period}
     run = hillobs.simulate("activation", observers=["high_gain"], changes=changes)
     x, y = run.x, run.y.values
@@ -163,7 +164,7 @@ def unlike(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
 def test_a_clean_recording_of_unlike_muscles_is_estimated_as_well_as_promised(unlike: tuple[Path, Path]) -> None:
     found = estimate(*unlike, EVERY)
     assert np.ptp(found.true_activation.values) > 0.15
-    assert np.ptp(found.true_velocity.values) > 0.1
+    assert np.ptp(found.true_velocity.values) > 0.08
     assert max(rmse(found, "activation").values()) < 0.003, rmse(found, "activation")
     velocity = rmse(found, "velocity")
     assert velocity["high_gain"] < 5e-5
@@ -315,12 +316,12 @@ def test_the_same_recording_gives_the_same_files(
     inputs = ("position", "force_1", "force_2")
     write_csv(Path("short.csv"), [Series(n, "1", getattr(short, n)) for n in ("time", *inputs)])
     for folder in "ab":
-        code, out, _ = command("estimate", "short.csv", "--muscles", str(MUSCLES), "--out", folder)
+        code, out, _ = command("estimate", "short.csv", "--muscles", str(MUSCLES), "--out", folder, "--no-figures")
         assert code == 0
     assert "RMSE" not in out
     contents = [{path.name: path.read_bytes() for path in Path(folder).iterdir()} for folder in "ab"]
     assert contents[0] == contents[1]
-    assert len(contents[0]) == 7
+    assert len(contents[0]) == 5
 
 
 def test_the_sheet_shows_errors_where_the_truth_is_known(noisy: xr.Dataset) -> None:
@@ -491,12 +492,12 @@ def test_what_cannot_be_is_a_sentence(short: Recording) -> None:
         (
             ("--muscles", str(MUSCLES), "--map", "position=force_1"),
             2,
-            "short.csv: there is no column force_1; 'force_1'",
+            "short.csv: column 'force_1 [N]': N is the unit of a force",
         ),
         (("--muscles", str(MUSCLES), "--map", "position=position[mm]"), 2, "short.csv: column 'position [m]'"),
         (("--muscles", str(MUSCLES), "--out", "short.csv"), 2, "short.csv cannot be written to: it is not a folder"),
         # unstable whatever the step
-        (("--muscles", str(MUSCLES), "--set", "high_gain.h11=-300"), 1, "high_gain: its numbers end at 0.16 s"),
+        (("--muscles", str(MUSCLES), "--set", "high_gain.h11=-300"), 1, "high_gain: its numbers end at 0.045 s"),
         (("--muscles", str(MUSCLES), "--set", "high_gain.h12=-1e9"), 2, "the gains of high_gain are too fast"),
     ],
 )
