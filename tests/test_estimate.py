@@ -308,6 +308,14 @@ def test_what_is_written_is_read_back(noisy: xr.Dataset, command: Callable[..., 
     assert rows[0] == "observer,quantity,muscle,unit,rmse,peak"
     assert len(rows) == 1 + len(scores(noisy)) == 1 + 4 * (3 + 4 * 3)
     assert "RMSE after 1 s" in out
+    # the page shows what is printed
+    page = [line.split() for line in (FILES.parents[1] / "docs" / "estimate.md").read_text().splitlines()]
+    table = out.partition("RMSE after 1 s")[2].partition("written")[0]
+    assert all(row in page for row in printed(table))
+
+
+def printed(table: str) -> list[list[str]]:
+    return [line.split() for line in table.splitlines() if line.strip()]
 
 
 def test_the_same_recording_gives_the_same_files(
