@@ -151,7 +151,7 @@ def _case(read: Recording, pair: MusclePair, compiled: CompiledBank, every: Tabl
     if period > _LONGEST_PERIOD:
         raise RecordingError(
             f"{read.source}: a sample every {period / s.rate:.3g} s is too few for muscles of v_max = {s.rate:g}/s; "
-            f"at most {_LONGEST_PERIOD / s.rate:.3g} s"
+            f"at most {_LONGEST_PERIOD / s.rate:.3g} s; is time in another unit?"
         )
     refuse_long_steps(read)
     z = tendon_lengths(compiled, np.array(every.values(lengths_block(compiled.bank), s.numbers)), y)

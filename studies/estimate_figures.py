@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 
 import numpy as np
 import xarray as xr
@@ -14,7 +15,7 @@ from ..codegen.library import Array
 from ..observers import label
 from . import style
 from .estimate_scores import SETTLED
-from .figures import settings
+from .figures import settings, write_figures
 
 # points of a line that a page can show
 _MOST_POINTS = 4000
@@ -67,6 +68,11 @@ def estimate_sheet(dataset: xr.Dataset) -> Figure:
             handles.append(Line2D([], [], label="true", **style.TRUE))
         figure.legend(handles=handles, loc="outside upper center", ncols=len(handles))
     return figure
+
+
+def save_sheet(dataset: xr.Dataset, folder: str | Path, stem: str) -> list[Path]:
+    """Write the sheet as `STEM-sheet.png` and `.pdf`; the same estimates give the same bytes."""
+    return write_figures({"sheet": estimate_sheet(dataset)}, folder, stem)
 
 
 def _measured(above: Axes, below: Axes, thin: xr.Dataset) -> None:

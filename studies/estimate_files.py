@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import xarray as xr
 
 from .columns import OPENSIM
 from .estimate_scores import Score, scores_csv
-from .files import save_netcdf, write_whole
+from .files import ResultError, save_netcdf, write_whole
 from .write_table import Series, write_csv, write_sto
 
 _ALONE = ("position", "velocity", "disturbance")
@@ -39,6 +39,13 @@ def save_estimates(dataset: xr.Dataset, found: list[Score], folder: Path) -> lis
         paths.append(folder / "scores.csv")
         write_whole(paths[-1], scores_csv(found).encode())
     return paths
+
+
+def refuse_overwriting(inputs: Iterable[str], folder: Path) -> None:
+    """ResultError if what is read is where `save_estimates` writes."""
+    for path in map(Path, inputs):
+        if path.resolve().parent == folder.resolve() and path.name.startswith(("estimates", "scores")):
+            raise ResultError(f"{path} might be overwritten by its estimates; choose another folder with --out")
 
 
 def _series(dataset: xr.Dataset, observer: str, prefix: str) -> Iterator[Series]:

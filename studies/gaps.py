@@ -39,10 +39,9 @@ def bridged(recording: Recording) -> tuple[Array, NDArray[np.bool_]]:
 
 def refuse_impossible(recording: Recording, pair: MusclePair) -> None:
     """RecordingError if the mass is beyond an origin, or a force is far below 0 or above what muscles can do."""
-    position = recording.position
-    _refuse(
-        recording, "position", "m", (position < 0) | (position > pair.C), f"the mass is between 0 and C = {pair.C:g} m"
-    )
+    between = f"the mass is between 0 and C = {pair.C:g} m"
+    _refuse(recording, "position", "m", recording.position < 0, between)
+    _refuse(recording, "position", "m", recording.position > pair.C, f"{between}; is it in another unit?")
     for name, muscle in (("force_1", pair.muscle1), ("force_2", pair.muscle2)):
         part = getattr(recording, name) / muscle.F_max
         _refuse(recording, name, "N", part < _LOWEST_FORCE, "a tendon only pulls, so forces are positive")

@@ -271,14 +271,12 @@ def test_samples_may_come_unevenly(noisy: xr.Dataset) -> None:
 
 def test_what_is_written_is_read_back(noisy: xr.Dataset, command: Callable[..., tuple[int, str, str]]) -> None:
     before = hashlib.sha256(SHIPPED.read_bytes()).digest()
-    arguments = ["estimate", str(SHIPPED), "--muscles", str(MUSCLES)]
+    arguments = ["estimate", str(SHIPPED), "--muscles", str(MUSCLES), "--no-figures"]
     code, out, err = command(*arguments, *itertools.chain(*(("--observer", name) for name in EVERY)))
     assert (code, err) == (0, "")
     assert hashlib.sha256(SHIPPED.read_bytes()).digest() == before
     folder = Path("estimates")
     names = [
-        "estimates-sheet.pdf",
-        "estimates-sheet.png",
         "estimates.csv",
         "estimates.nc",
         "scores.csv",
@@ -308,6 +306,10 @@ def test_what_is_written_is_read_back(noisy: xr.Dataset, command: Callable[..., 
     assert rows[0] == "observer,quantity,muscle,unit,rmse,peak"
     assert len(rows) == 1 + len(scores(noisy)) == 1 + 4 * (3 + 4 * 3)
     assert "RMSE after 1 s" in out
+    # nothing that is read is written over
+    code, _, err = command("estimate", str(folder / "estimates.csv"), "--muscles", str(MUSCLES))
+    assert (code, err.count("\n")) == (2, 1)
+    assert "might be overwritten by its estimates; choose another folder with --out" in err
     # the page shows what is printed
     page = [line.split() for line in (FILES.parents[1] / "docs" / "estimate.md").read_text().splitlines()]
     table = out.partition("RMSE after 1 s")[2].partition("written")[0]
@@ -324,12 +326,17 @@ def test_the_same_recording_gives_the_same_files(
     inputs = ("position", "force_1", "force_2")
     write_csv(Path("short.csv"), [Series(n, "1", getattr(short, n)) for n in ("time", *inputs)])
     for folder in "ab":
-        code, out, _ = command("estimate", "short.csv", "--muscles", str(MUSCLES), "--out", folder, "--no-figures")
+        arguments = ("short.csv", "--muscles", str(MUSCLES), "--observer", "sliding_mode", "--out", folder)
+        code, out, _ = command("estimate", *arguments)
         assert code == 0
     assert "RMSE" not in out
     contents = [{path.name: path.read_bytes() for path in Path(folder).iterdir()} for folder in "ab"]
     assert contents[0] == contents[1]
-    assert len(contents[0]) == 5
+    names = ("estimates-sheet.pdf", "estimates-sheet.png", "estimates.csv", "estimates.nc", "estimates.sto")
+    assert sorted(contents[0]) == sorted(names)
+    assert command("figures", "a/estimates.nc", "--out", "drawn")[0] == 0
+    for path in Path("drawn").iterdir():
+        assert path.read_bytes() == contents[0][path.name]
 
 
 def test_the_sheet_shows_errors_where_the_truth_is_known(noisy: xr.Dataset) -> None:
@@ -384,7 +391,7 @@ def refusal(recording: Recording, muscles: str | Path | MusclePair = MUSCLES) ->
     [
         ("force_1", -200.0, "row 12: force_1 = -200 N; a tendon only pulls, so forces are positive"),
         ("force_2", 2e4, "row 12: force_2 = 20000 N; F_max is 1000 N; is it in another unit?"),
-        ("position", 310.0, "row 12: position = 310 m; the mass is between 0 and C = 0.62 m"),
+        ("position", 310.0, "row 12: position = 310 m; the mass is between 0 and C = 0.62 m; is it in another unit?"),
         ("position", -0.1, "row 12: position = -0.1 m; the mass is between 0 and C = 0.62 m"),
     ],
 )
@@ -399,7 +406,10 @@ def test_missing_rows_and_slow_sampling_are_refused(short: Recording) -> None:
     sentence = "there is no sample between rows 101 and 132, 0.155 s; gaps of up to 0.1 s are bridged"
     assert refusal(part(short, rows)) == sentence
     slow = dataclasses.replace(short, time=short.time * 20)
-    assert refusal(slow) == "a sample every 0.1 s is too few for muscles of v_max = 10/s; at most 0.07 s"
+    assert (
+        refusal(slow)
+        == "a sample every 0.1 s is too few for muscles of v_max = 10/s; at most 0.07 s; is time in another unit?"
+    )
     # slower muscles, rarer samples
     pair = read_muscles(MUSCLES)
     muscle = dataclasses.replace(pair.muscle1, v_max=0.5)
