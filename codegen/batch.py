@@ -59,7 +59,7 @@ class CompiledLoop:
     """A loop as a loaded library; nothing that its methods take recompiles it."""
 
     def __init__(self, loop: Loop, baseline: str = NATIVE) -> None:
-        self.loop = loop
+        self.loop, self.baseline = loop, baseline
         source = export_loop(loop)
         self.path, self.dll = load(source, baseline)
         self.dll.hillobs_start.argtypes = (ctypes.POINTER(Batch),)

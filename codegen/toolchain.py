@@ -32,15 +32,21 @@ FLAGS = (
 )
 NATIVE = "native"
 SINGLE = "native-scalar"
+_MACHINE = re.sub("x86_64|amd64", "x86-64", platform.machine().lower()).replace("aarch64", "arm64")
+_THIS_ONE = "-mcpu=native" if _MACHINE == "arm64" else "-march=native"
 # the processors that a library is for: this one; a class of them, for equal numbers on several machines; any, one
 # run at a time; this one, one run at a time
 BASELINES: Mapping[str, tuple[str, ...]] = {
-    NATIVE: ("-mcpu=native",) if platform.machine() in ("aarch64", "arm64") else ("-march=native",),
+    NATIVE: (_THIS_ONE,),
     "x86-64-v3": ("-march=x86-64-v3",),
     "x86-64-v4": ("-march=x86-64-v4",),
+    "arm64": ("-mcpu=generic",),
     "scalar": ("-DHILLOBS_SCALAR",),
-    SINGLE: ("-mcpu=native" if platform.machine() in ("aarch64", "arm64") else "-march=native", "-DHILLOBS_SCALAR"),
+    SINGLE: (_THIS_ONE, "-DHILLOBS_SCALAR"),
 }
+_MACHINES = {"x86-64-v3": "x86-64", "x86-64-v4": "x86-64", "arm64": "arm64"}
+# fast on almost all processors of this kind
+PORTABLE = {"x86-64": "x86-64-v3", "arm64": "arm64"}.get(_MACHINE, "scalar")
 COMPILE_TIMEOUT = 300.0  # seconds
 KEPT_LINES, KEPT_BYTES = 20, 16_000  # of what a compiler prints
 
@@ -172,12 +178,11 @@ def _target(baseline: str) -> tuple[str, ...]:
     flags = BASELINES.get(baseline)
     if flags is None:
         raise BuildError(f"Unknown baseline {baseline!r}; there are {', '.join(BASELINES)}.")
-    machine = "x86_64" if baseline.startswith("x86") else platform.machine()
-    if machine != platform.machine().lower().replace("amd64", "x86_64"):
-        raise BuildError(f"The baseline {baseline} is for x86-64; this machine is {platform.machine()}.")
+    if (machine := _MACHINES.get(baseline, _MACHINE)) != _MACHINE:
+        raise BuildError(f"The baseline {baseline} is for {machine}; this machine is {_MACHINE}.")
     # registers of 512 bits, where there are any: gcc would rather use half of them
-    wide = ("-mprefer-vector-width=512",) if platform.machine() == "x86_64" and baseline != "scalar" else ()
-    # Intel's dividers take 16 cycles for eight quotients, AMD's 4 to 10
+    wide = ("-mprefer-vector-width=512",) if _MACHINE == "x86-64" and baseline != "scalar" else ()
+    # Intel's dividers take 16 cycles for eight quotients, AMD's 4 to 10; a class of processors has both
     slow = ("-DHILLOBS_SLOW_DIVISION",) if baseline == NATIVE and _cpu("vendor_id") == ["GenuineIntel"] else ()
     return (*flags, *wide, *slow)
 

@@ -21,8 +21,8 @@ from .reading import cause, read_whole
 
 # an observer's estimates in the order of a CSV file; its further states follow
 _ESTIMATES = ("x1_hat", "x2_hat", "Delta_hat", "x3_hat", "u1_hat", "x4_hat", "u2_hat")
-# a million recorded points are 1 GB before they are compressed
-_LARGEST_FILE = 2_000_000_000
+# bytes of a result, compressed or not; a million recorded points are 1 GB, 10⁸ runs with one score 4 GB
+LARGEST_RESULT = 5_000_000_000
 _SEAL_SIZE = 40
 
 
@@ -97,7 +97,7 @@ def save_netcdf(dataset: xr.Dataset, path: Path, folder: Path | None = None) -> 
 def load(path: Path) -> xr.Dataset:
     """A result that `save` or `save_netcdf` has written. ResultError if it is none, or damaged."""
     try:
-        content = unsealed(read_whole(path, _LARGEST_FILE))
+        content = unsealed(read_whole(path, LARGEST_RESULT))
     except (OSError, ValueError) as error:
         raise ResultError(f"{path} cannot be read: {cause(error)}") from error
     if content is None:

@@ -25,13 +25,13 @@ from .quote import shown
 from .scenario import Value, checked_number
 from .table import ScenarioError, block_paths
 
-# runs that are computed, kept and counted together: a few seconds of one core
+# runs of a part: about two seconds of one core
 PART = 512
 # counts up when the numbers of a part change their meaning, so that old parts are not read as new ones
 _LAYOUT = 3
 # from here on a sweep is asked for twice
 MANY_RUNS = 100_000_000
-# more of them make no result that fits into a file
+# even one score of more of them hardly fits into a file
 _MOST_SEEDS = 100_000_000
 # numbers that have to fit together are checked for every combination, if there are no more than these
 _MOST_CHECKS = 200_000
@@ -51,6 +51,7 @@ class Plan:
     observers: tuple[str, ...]
     quantities: tuple[str, ...]
     measures: tuple[str, ...]
+    part: int  # runs that are computed, kept and counted together
 
     @property
     def runs(self) -> int:
@@ -60,7 +61,7 @@ class Plan:
     @property
     def parts(self) -> int:
         """How many parts they come in."""
-        return -(-self.runs // PART)
+        return -(-self.runs // self.part)
 
     @property
     def steps(self) -> int:
@@ -69,7 +70,7 @@ class Plan:
 
     def members(self, part: int) -> NDArray[np.int64]:
         """The runs of a part."""
-        return np.arange(part * PART, min((part + 1) * PART, self.runs))
+        return np.arange(part * self.part, min((part + 1) * self.part, self.runs))
 
     def numbers(self, runs: NDArray[np.int64]) -> dict[str, Array]:
         """(runs × numbers) for each Block of the loop."""
@@ -110,7 +111,7 @@ class Plan:
             "seeds": self.seeds.tolist(),
             "observers": list(self.observers),
             "scored": [list(self.quantities), list(self.measures)],
-            "code": [library, PART, _LAYOUT],
+            "code": [library, self.part, _LAYOUT],
         }
 
     def _grid(self, given: Mapping[str, float]) -> Grid:
@@ -152,7 +153,7 @@ def plan(
             raise ScenarioError(f"{path} cannot be swept" + ("; use seeds" if path == "seed" else ""))
         for value in np.unique(values).tolist():
             checked_number(path, value, prepared.table)
-    result = Plan(prepared, made, _seeds(seeds), wanted or prepared.observers, *scored)
+    result = Plan(prepared, made, _seeds(seeds), wanted or prepared.observers, *scored, PART)
     _check_effect(result)
     _check_together(result, source, chosen, changes or {})
     return result

@@ -83,10 +83,21 @@ def prepare(
             scenario(name, content, {}, every)
         except ScenarioError as error:
             raise ScenarioError(f"{source}: {error}") from error
-    checked = scenario(name, content, changes, every)
-    every.check(curves, checked.given)
-    loop = paper_loop(checked.drive, curves, custom, None, quantities, measures)
-    prepared = Prepared(checked, loop, every, time_grid(lambda path: every.value(path, checked.given)), chosen)
+    return assemble(scenario(name, content, changes, every), chosen, custom, quantities, measures)
+
+
+def assemble(
+    checked: Scenario,
+    observers: tuple[str, ...],
+    custom: tuple[Block, ...] = (),
+    quantities: tuple[str, ...] = QUANTITIES,
+    measures: tuple[str, ...] = MEASURES,
+) -> Prepared:
+    """The Blocks that run a scenario; ScenarioError for numbers that do not fit together."""
+    every = full_table(custom, checked.curves)
+    every.check(checked.curves, checked.given)
+    loop = paper_loop(checked.drive, checked.curves, custom, None, quantities, measures)
+    prepared = Prepared(checked, loop, every, time_grid(lambda path: every.value(path, checked.given)), observers)
     _check_force_factors(prepared)
     _check_samples(prepared)
     _check_variables(prepared)

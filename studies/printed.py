@@ -82,9 +82,9 @@ def adaptive_as_printed() -> Block:
     p = Symbols({**right.p, **symbols(OBSERVER)})
     e1, e3, e4 = output_errors(x, u)
     L = ca.fmax(p.l0 + x.l_a, p.L_min)
-    v1 = p.beta0 * L * sg(e1, p.delta_a)
-    v3 = (clamp(x.k_1, 0, p.k_max) + p.eta1) * sg(e3, p.delta_a)
-    v4 = (clamp(x.k_2, 0, p.k_max) + p.eta2) * sg(e4, p.delta_a)
+    v1 = p.beta0 * L * sg(e1, p.delta_1)
+    v3 = (clamp(x.k_1, 0, p.k_max) + p.eta1) * sg(e3, p.delta_L)
+    v4 = (clamp(x.k_2, 0, p.k_max) + p.eta2) * sg(e4, p.delta_L)
     # l̇_a = −ρ_a0 sign(δ_a)   [dotla] printed, δ_a the boundary layer's width;  sign(δ_a0) O8
     fall = -(p.r00 + x.r_a0) * sg(p.delta_a, p.delta_a) * (p.l0 + x.l_a > p.L_min)
     dl_a = _either(p.O8, right.dx.l_a, fall)

@@ -7,7 +7,7 @@ import os
 import sys
 import threading
 import warnings
-from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from pathlib import Path
 
@@ -16,13 +16,13 @@ import xarray as xr
 
 from ..codegen.batch import CompiledLoop
 from ..codegen.library import Array
-from ..codegen.toolchain import NATIVE
+from ..codegen.toolchain import NATIVE, PORTABLE
 from ..model.block import Block
 from ..model.symbols import QUANTITIES
 from ..observers.score import MEASURES
 from .axes import Values
 from .causes import cause_of, causes
-from .files import ResultError, load, save_netcdf
+from .files import LARGEST_RESULT, ResultError, load, save_netcdf
 from .loops import compile_loop
 from .measures import measures as measures_of
 from .parts import Parts
@@ -36,9 +36,6 @@ Progress = Callable[[int, int], None]
 # what computes parts, in any order; once closed it computes no more
 Computed = Generator[tuple[int, Array], None, None]
 Compute = Callable[[Plan, CompiledLoop, Iterable[int]], Computed]
-
-# a larger result belongs into several files
-_LARGEST_RESULT = 4e9
 
 
 class SweepWarning(UserWarning):
@@ -59,10 +56,11 @@ def sweep(
     samples: int = 0,
     out: str | Path | None = None,
     workers: int | None = None,
-    baseline: str = NATIVE,
+    baseline: str | None = None,
     quantities: Sequence[str] = QUANTITIES,
     measures: Sequence[str] = MEASURES,
     progress: Progress = lambda done, all_runs: None,
+    cluster: str | None = None,
 ) -> xr.Dataset:
     """Run a scenario for all values in `over` and all seeds, and return the measures of each run.
 
@@ -71,16 +69,33 @@ def sweep(
     over: path → values, or an `axes.Range`; one dimension each, named by the path (`point`, if not a grid).
     seeds: how many, from 0, or which. kind: grid, zip, or a design of `samples` points: latin, sobol.
     out: file of the result; what is computed is kept beside it, and the same call goes on where it was.
-    workers: threads; by default one per core. baseline: processors to compile for, see `hillobs.codegen.toolchain`.
+    workers: threads, or processes of a local cluster; by default one per core.
+    baseline: processors to compile for, see `hillobs.codegen.toolchain`; by default this one, or for a cluster a class
+        of them: on all machines of it, and here with the same baseline, results are the same to the bit.
     quantities, measures: what is scored, and how beside the RMSE; the fewer, the faster.
+    cluster: `local`, or the address of a dask scheduler, see docs/scaling.md; needs the extra `cluster`.
 
     The Dataset has rmse, peak, settling, chattering (…, seed, observer, quantity), failed_at (…, seed, observer) and
     plant_failed_at (…, seed): the time of a failure or NaN; after one, measures are NaN. failure and plant_failure say
     what failed, as places in the attribute flag_meanings; 0 is none. Everything is dimensionless.
-    ScenarioError for what cannot be run, ResultError for `out`, BuildError if nothing can be compiled.
+    ScenarioError for what cannot be run, ResultError for `out`, BuildError if nothing can be compiled, ClusterError for
+    a cluster that is not there, lost, or of other code.
     """
     wanted = plan(source, over or {}, seeds, observers, changes, kind, samples, quantities, measures)
-    return sweep_planned(wanted, None if out is None else Path(out), on_threads(workers), baseline, progress)
+    with engine(workers, cluster) as (compute, usual):
+        return sweep_planned(wanted, None if out is None else Path(out), compute, baseline or usual, progress)
+
+
+@contextlib.contextmanager
+def engine(workers: int | None, cluster: str | None) -> Iterator[tuple[Compute, str]]:
+    """What computes parts, here or on a cluster, and the baseline that goes with it."""
+    if cluster is None:
+        yield on_threads(workers), NATIVE
+        return
+    from .cluster import on_cluster
+
+    with on_cluster(cluster, workers) as compute:
+        yield compute, PORTABLE
 
 
 def sweep_planned(
@@ -91,7 +106,7 @@ def sweep_planned(
     progress: Progress = lambda done, all_runs: None,
 ) -> xr.Dataset:
     """Run what `plan` has checked, keeping parts and result at `out` if it is given."""
-    if (size := wanted.runs * width(wanted) * 8) > _LARGEST_RESULT:
+    if (size := wanted.runs * width(wanted) * 8) > LARGEST_RESULT:
         raise ScenarioError(f"{wanted.runs:,} runs make a result of {size / 1e9:.0f} GB; cut the sweep into several")
     compiled = compile_loop(wanted.prepared.loop, baseline)
     identity = wanted.identity(compiled.path.stem)
@@ -150,7 +165,7 @@ def _computed(
 
 def on_threads(workers: int | None = None) -> Compute:
     """Parts on the threads of this process, the interpreter's lock released; one per core by default."""
-    count = _cores() if workers is None else workers
+    count = cores() if workers is None else workers
     if count < 1:
         raise ScenarioError(f"workers must be at least 1, not {count}")
 
@@ -195,7 +210,7 @@ def _submitted(
         raise ScenarioError("the system refuses another thread; use fewer workers") from error
 
 
-def _cores() -> int:
+def cores() -> int:
     """The cores that this process may use."""
     return len(os.sched_getaffinity(0)) if sys.platform == "linux" else os.cpu_count() or 1
 

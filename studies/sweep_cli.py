@@ -36,8 +36,11 @@ _INTERRUPTED, _NUMERICAL = 128, 1
     "--measure", "kinds", multiple=True, metavar="NAME", help="Take peak, settling, chattering only; the RMSE always."
 )
 @click.option("--no-figures", is_flag=True, help="Write no figures.")
-@click.option("--workers", metavar="N", help="Threads; one per core by default.")
-@click.option("--baseline", default="native", show_default=True, help="Processors to compile for.")
+@click.option("--workers", metavar="N", help="Threads, or processes of a local cluster; one per core by default.")
+@click.option("--baseline", metavar="NAME", help="Processors to compile for: this one; for a cluster, a class of them.")
+@click.option(
+    "--cluster", metavar="ADDRESS|local", help="Run on the dask scheduler at tls://HOST:PORT, or on one made here."
+)
 @click.option("--yes", is_flag=True, help="Do not ask before a very large sweep.")
 def sweep(
     scenario: str,
@@ -52,7 +55,8 @@ def sweep(
     kinds: tuple[str, ...],
     no_figures: bool,
     workers: str | None,
-    baseline: str,
+    baseline: str | None,
+    cluster: str | None,
     yes: bool,
 ) -> None:
     """Run SCENARIO for all values of some parameters and many seeds; print where the errors are smallest."""
@@ -60,12 +64,13 @@ def sweep(
         from ..model.symbols import QUANTITIES
         from ..observers.score import MEASURES
         from .axes import DESIGNS, parse_axis
+        from .cluster import ClusterError
         from .files import writable_folder
         from .numbers import whole_number
         from .pace import Pace
         from .plan import MANY_RUNS, plan
         from .scenario import parse_change
-        from .sweep import on_threads, sweep_planned
+        from .sweep import engine, sweep_planned
         from .sweep_report import notes, optimum
         from .table import ScenarioError
 
@@ -90,16 +95,19 @@ def sweep(
         )
         if wanted.runs > MANY_RUNS and not yes:
             raise ScenarioError(f"{wanted.runs:,} runs are more than {MANY_RUNS:,}; say --yes if they are meant")
-        compute = on_threads(None if workers is None else whole_number("--workers", workers, 1))
+        count = None if workers is None else whole_number("--workers", workers, 1)
         path = None if out is None else writable_folder(Path(out).parent) / Path(out).name
-        with counted("runs", wanted.runs) as advance:
+        with engine(count, cluster) as (compute, usual), counted("runs", wanted.runs) as advance:
             pace = Pace(advance)
 
             def progress(done: int, of: int) -> None:
                 check()
                 pace(done, of)
 
-            dataset = sweep_planned(wanted, path, compute, baseline, progress)
+            try:
+                dataset = sweep_planned(wanted, path, compute, baseline or usual, progress)
+            except ClusterError as error:
+                raise ClusterError(f"{error}{_kept(out)}") from error
         for note in (*pace.sentences(), *notes(dataset)):
             click.echo(note)
         print_table(optimum(dataset))

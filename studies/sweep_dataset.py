@@ -15,7 +15,7 @@ from .causes import causes, flags
 from .dataset import about, repeatable
 from .gains import swept_conditions
 from .measures import KINDS
-from .plan import PART, Plan
+from .plan import Plan
 from .prepare import Prepared
 
 
@@ -68,7 +68,7 @@ def sweep_dataset(wanted: Plan, numbers: Array, identity: str, compiled: Compile
         "violated_conditions": json.dumps(_violated(wanted, compiled)),
         "library": compiled.path.stem,
         "baseline": baseline,
-        "part": str(PART),
+        "part": str(wanted.part),
     }
     return xr.Dataset(data, coordinates, attributes)
 

@@ -70,13 +70,14 @@ def user_errors() -> Iterator[None]:
     """A user's mistake as one sentence and exit code 2."""
     from ..codegen.cache import BuildError
     from ..model.block import BlockError
+    from .cluster import ClusterError
     from .files import ResultError
     from .lines import RecordingError
     from .table import ScenarioError
 
     try:
         yield
-    except (ScenarioError, ResultError, RecordingError, BlockError) as error:
+    except (ScenarioError, ResultError, RecordingError, BlockError, ClusterError) as error:
         complain(str(error))
         sys.exit(USAGE)
     except MemoryError as error:  # NumPy says how much it asked for

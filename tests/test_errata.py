@@ -145,8 +145,8 @@ def test_error_dynamics_of_the_high_gain_observer():
         d.gap(
             e2 - p.h11 / eps * e1,
             o.Delta - o.Delta_hat - p.h12 / eps**2 * e1,
-            e2 + o.u1 - o.u1_hat - p.h21 / eps * e3,
-            -e2 + o.u2 - o.u2_hat - p.h31 / eps * e4,
+            e2 + o.u1 - o.u1_hat - p.h21 / p.eps_L * e3,
+            -e2 + o.u2 - o.u2_hat - p.h31 / p.eps_L * e4,
         )
         == EXACT
     )
@@ -156,7 +156,7 @@ def test_error_dynamics_of_the_sliding_mode_observer():
     d = Errors(sliding_mode())
     o, p, e1, e2, e3, e4 = d.o, d.p, *(d.e(i) for i in range(1, 5))
     v11, v12 = p.lambda11 * root(e1) * sg(e1, p.delta_s), p.alpha11 * sg(e1, p.delta_s)
-    v2, v3 = p.alpha2 * sg(e3, p.delta_s), p.alpha3 * sg(e4, p.delta_s)
+    v2, v3 = p.alpha2 * sg(e3, p.delta_L), p.alpha3 * sg(e4, p.delta_L)
     load = (e2 - v11, o.Delta - v12)
     # [de3], [de4] with −v₂, −v₃; as printed, + (O1)
     assert d.gap(*load, e2 + o.u1 - v2, -e2 + o.u2 - v3) == EXACT
@@ -168,15 +168,15 @@ def adaptive(d: Errors) -> tuple[ca.SX, ...]:
     p, L = d.p, d.p.l0 + d.o.l_a
     e1, e3, e4 = d.e(1), d.e(3), d.e(4)
     phi = -d.dx_hat.l_a / L * e1
-    beta = p.beta0 * L * sg(e1, p.delta_a)
-    return phi, beta, (d.o.k_1 + p.eta1) * sg(e3, p.delta_a), (d.o.k_2 + p.eta2) * sg(e4, p.delta_a)
+    beta = p.beta0 * L * sg(e1, p.delta_1)
+    return phi, beta, (d.o.k_1 + p.eta1) * sg(e3, p.delta_L), (d.o.k_2 + p.eta2) * sg(e4, p.delta_L)
 
 
 def test_error_dynamics_of_the_adaptive_observer():
     d = Errors(adaptive_sliding_mode())
     o, e1, e2 = d.o, d.e(1), d.e(2)
     phi, v1, v3, v4 = adaptive(d)
-    alpha = d.p.alpha0 * ca.sqrt(d.p.l0 + o.l_a) * root(e1) * sg(e1, d.p.delta_a)
+    alpha = d.p.alpha0 * ca.sqrt(d.p.l0 + o.l_a) * root(e1) * sg(e1, d.p.delta_1)
     # [de1a] with + φ (O7), [de2a], [de3a] and [de4a] with u₁, u₂ (O6)
     assert d.gap(e2 - alpha + phi, o.Delta - v1, e2 + o.u1 - v3, -e2 + o.u2 - v4) == EXACT
     printed = d.gap(e2 - alpha - phi, o.Delta - v1, e2 - v3, -e2 - v4)
@@ -188,7 +188,7 @@ def test_error_dynamics_of_the_adaptive_observer_as_printed():
     d = Errors(printed.adaptive_as_printed(), {"O2": 0.0, "O3": 0.0, "O4": 0.0, "O5": 0.0, "O8": 1.0})
     o, e1, e2 = d.o, d.e(1), d.e(2)
     phi, v1, v3, v4 = adaptive(d)
-    alpha = d.p.alpha0 * ca.sqrt(d.p.l0 + o.l_a) * root(e1) * sg(e1, d.p.delta_a)
+    alpha = d.p.alpha0 * ca.sqrt(d.p.l0 + o.l_a) * root(e1) * sg(e1, d.p.delta_1)
     # what the injections must balance: ẋ₂, x₂ + u₁, −x₂ + u₂ instead of Δ, u₁, u₂
     assert d.gap(e2 - alpha + phi, pair_acceleration(d) - v1, o.x2 + o.u1 - v3, -o.x2 + o.u2 - v4) == EXACT
     assert (d.gap(e2 - alpha + phi, o.Delta - v1, e2 + o.u1 - v3, -e2 + o.u2 - v4)[1:] > 0.1).all()

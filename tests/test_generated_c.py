@@ -72,11 +72,14 @@ static void make(List<B, C, Rest...>, Part *part, const double *const *p, int64_
 
 typedef List<{types}> All;
 
-int main(void) {{
-    {parameters}
-    const double *p[] = {{{names}}};
+// the arguments are the step, then the numbers of each part
+int main(int argc, char **argv) {{
+    double *values = (double *)calloc(argc, sizeof(double));
+    for (int i = 1; i < argc; ++i) values[i] = strtod(argv[i], 0);
     const char *const names[] = {{{quoted}}};
-    const int n = (int)(sizeof p / sizeof *p) - 1;  // the front's come last
+    const int sizes[] = {{{sizes}}}, n = (int)(sizeof sizes / sizeof *sizes) - 1;  // the front's come last
+    const double *p[n + 1], *next = values + 2;
+    for (int i = 0; i <= n; ++i) {{ p[i] = next; next += sizes[i]; }}
     const int64_t on[2] = {{20, 40}}, off[2] = {{30, 60}};
     uint64_t seeds[LANES];
     for (int l = 0; l < LANES; ++l) seeds[l] = l;
@@ -84,7 +87,7 @@ int main(void) {{
     make(All(), parts, p, 51);
     FrontPart front = {{filled(Front::NP, p[n]), numbers(Front::NC), numbers(Near::NC)}};
     Runs runs = {{1, seeds, parts, &front, 1, numbers(N_NOISE)}};
-    Batch batch = {{{step}, 0, 500, 10, 100, 10, on, off, 1, &runs, 0, 0, 64}};
+    Batch batch = {{values[1], 0, 500, 10, 100, 10, on, off, 1, &runs, 0, 0, 64}};
     hillobs_start(&batch);
     while (batch.k <= batch.steps) hillobs_advance(&batch, batch.k + 137);
     for (int i = 0; i < n; ++i) printf("%s %lld\\n", names[i], (long long)parts[i].failed[0]);
@@ -93,44 +96,49 @@ int main(void) {{
 """
 
 
-def program(drive: str, given: dict[str, float], step: float) -> str:
+def numbers_of(drive: str, given: dict[str, float]) -> dict[str, list[float]]:
     loop, table = paper_loop(drive, NGUYEN2019), full_table()
     numbers = {block.name: table.values(block, given) for block in loop.blocks}
     whose = loop.observers[0]
     numbers["front"] = [numbers[whose.name][list(whose.p).index(name)] for name in loop.bank.front.p]
-    arrays = [f"static const double p_{name}[] = {{{', '.join(map(repr, v))}}};" for name, v in numbers.items()]
+    return numbers
+
+
+def program(drive: str) -> str:
+    numbers = numbers_of(drive, {})
     return source(drive).text + MAIN.format(
-        parameters="\n    ".join(arrays),
-        names=", ".join(f"p_{name}" for name in numbers),
         quoted=", ".join(f'"{name}"' for name in numbers),
-        types=", ".join(f"Part_{block.name}" for block in loop.blocks),
-        step=step,
+        sizes=", ".join(str(len(values)) for values in numbers.values()),
+        types=", ".join(f"Part_{block.name}" for block in paper_loop(drive, NGUYEN2019).blocks),
     )
 
 
-@pytest.mark.parametrize(
-    ("drive", "given", "step", "failed"),
-    [
-        ("virtual", {"noise.x1": 1e-3, "pulse1.amplitude": -0.5, "pulse2.amplitude": 0.5}, 5e-4, False),
-        ("given", {"noise.force": 1e-2, "activation1.offset": 0.0}, 5e-4, False),
-        ("virtual", {"high_gain.eps_h": 1e-5, "adaptive_sliding_mode.tau_a": 1e-6}, 0.01, True),
+RUNS = {
+    "virtual": [
+        ({"noise.x1": 1e-3, "pulse1.amplitude": -0.5, "pulse2.amplitude": 0.5}, 5e-4, False),
+        ({"high_gain.eps_h": 1e-5, "adaptive_sliding_mode.tau_a": 1e-6}, 0.01, True),
     ],
-)
-def test_the_sanitizers_are_silent(
-    drive: str, given: dict[str, float], step: float, failed: bool, tmp_path: Path
-) -> None:
-    """Also while observers fail; the third run makes two of them overflow."""
-    built = compile_text(program(drive, given, step), tmp_path, *SANITIZE)
+    "given": [({"noise.force": 1e-2, "activation1.offset": 0.0}, 5e-4, False)],
+}
+
+
+@pytest.mark.parametrize("drive", RUNS)
+def test_the_sanitizers_are_silent(drive: str, tmp_path: Path) -> None:
+    """Also while observers fail: in one run two of them overflow."""
+    built = compile_text(program(drive), tmp_path, *SANITIZE)
     if "cannot find" in built.stderr:
         pytest.skip("this compiler has no sanitizer libraries")
     assert built.returncode == 0, built.stderr[-2000:]
     # what is left at exit is the arrays of MAIN
     environment = {**os.environ, "ASAN_OPTIONS": "detect_leaks=0"}
-    ran = subprocess.run([tmp_path / "loop"], env=environment, capture_output=True, text=True, check=False)
-    assert ran.returncode == 0, ran.stderr[-3000:]
-    state = dict(line.split() for line in ran.stdout.splitlines())
-    assert (state["high_gain"] != "-1") is failed
-    assert state["sliding_mode"] == "-1"
+    for given, step, failed in RUNS[drive]:
+        numbers = [value for values in numbers_of(drive, given).values() for value in values]
+        arguments = [tmp_path / "loop", *map(repr, (step, *numbers))]
+        ran = subprocess.run(arguments, env=environment, capture_output=True, text=True, check=False)
+        assert ran.returncode == 0, ran.stderr[-3000:]
+        state = dict(line.split() for line in ran.stdout.splitlines())
+        assert (state["high_gain"] != "-1") is failed
+        assert state["sliding_mode"] == "-1"
 
 
 def test_only_our_own_names_are_exported() -> None:

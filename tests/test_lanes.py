@@ -125,7 +125,7 @@ ODD = {"NaN": np.nan, "+Inf": np.inf, "−Inf": -np.inf, "1e308": 1e308, "subnor
 BRIEF = {"duration": 0.03, "score.start": 0.005}
 # the start of an observer, a number of it, what its sensors add, what they look at
 STATES = {"high_gain": "x2_hat", "sliding_mode": "x3_hat", "adaptive_sliding_mode": "x1_hat"}
-NUMBERS = {"high_gain": "h12", "sliding_mode": "alpha2", "adaptive_sliding_mode": "delta_a", BASELINE: "muscle1.toe"}
+NUMBERS = {"high_gain": "h12", "sliding_mode": "alpha2", "adaptive_sliding_mode": "beta0", BASELINE: "muscle1.toe"}
 MEASUREMENTS = [
     ("noise", "x1"),
     ("noise", "force"),

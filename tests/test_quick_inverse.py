@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 
 from hillobs.codegen.library import Library, compile_functions
 from hillobs.model.block import symbols
-from hillobs.model.curves import NGUYEN2019, TENDON
+from hillobs.model.curves import NGUYEN2019
+from hillobs.model.curves.nguyen2019 import TENDON
 
 # forces at the four stages of a step
 STAGES = 4
