@@ -140,21 +140,23 @@ def list_(what: str) -> None:
 @click.argument("result", type=click.Path(path_type=Path))
 @click.option("--out", type=click.Path(path_type=Path), help="Where figures are written; beside RESULT by default.")
 def figures(result: Path, out: Path | None) -> None:
-    """Draw the figures of RESULT.nc, a run or a sweep, again without a run."""
+    """Draw the figures of RESULT.nc, a run, a sweep or estimates, again without a run."""
     with user_errors():
+        from .estimate_figures import save_sheet
         from .figures import save_figures
         from .files import ResultError, load, writable_folder
         from .sweep_figures import save_sweep_figures
 
         dataset = load(result)
-        if "x_hat" not in dataset and "failed_at" not in dataset:
-            raise ResultError(f"{result} cannot be drawn: it is neither a run nor a sweep")
+        # what a run, a sweep and estimates have
+        if not {"x_hat", "failed_at", "activation_hat"} & set(dataset):
+            raise ResultError(f"{result} cannot be drawn: it is no run, no sweep and no estimates")
         folder = writable_folder(out or result.parent)
-        written, sentence = (
-            (save_figures(dataset, folder, result.stem), "")
-            if "x_hat" in dataset
-            else save_sweep_figures(dataset, folder, result.stem)
-        )
+        sentence = ""
+        if "failed_at" in dataset:
+            written, sentence = save_sweep_figures(dataset, folder, result.stem)
+        else:
+            written = (save_figures if "x_hat" in dataset else save_sheet)(dataset, folder, result.stem)
         if sentence:
             click.echo(sentence)
         if written:

@@ -116,7 +116,9 @@ def choose(labels: Sequence[str], units: Sequence[str], mapping: Mapping[str, st
         found[name] = Column(name, labels[index].strip(), index, _agreed(given, name, labels[index]))
     for name in ("time", *INPUTS):
         if name not in found and f"{name}_measured" not in found:
-            raise RecordingError(f"there is no column {name}; {_there(name, labels)}")
+            taken_by = [column.name for column in found.values() if plain[column.index][0] == name]
+            why = f"{shown(name)} is mapped to {taken_by[0]}" if taken_by else _there(name, labels)
+            raise RecordingError(f"there is no column {name}; {why}")
     return [found[name] for name in QUANTITIES if name in found]
 
 

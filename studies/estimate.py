@@ -17,7 +17,7 @@ from ..observers import FOLLOWERS
 from .estimate_dataset import estimate_dataset
 from .follow import compiled_bank, curves_of, followed, lengths_block, tendon_lengths
 from .gain_rule import gains
-from .gaps import bridged, refuse_impossible_forces
+from .gaps import bridged, refuse_impossible, refuse_long_steps
 from .lines import RecordingError
 from .muscle_file import MusclePair, read_muscles
 from .quote import shown
@@ -120,10 +120,11 @@ def estimate(
 def _checked(changes: Mapping[str, Value], every: Table, chosen: Sequence[str]) -> dict[str, float]:
     given: dict[str, float] = {}
     for path, value in changes.items():
-        for member in every.expand(path):
-            if member.partition(".")[0] not in chosen:
-                raise ScenarioError(f"{path} is no gain of {', '.join(chosen)}; the muscle file has all other numbers")
-            given[member] = checked_number(member, value, every)
+        if path.partition(".")[0] not in chosen:
+            raise ScenarioError(
+                f"{shown(path)} is no gain of {', '.join(chosen)}; the muscle file has all other numbers"
+            )
+        given |= {member: checked_number(member, value, every) for member in every.expand(path)}
     return given
 
 
@@ -141,7 +142,7 @@ def _check_size(samples: int, every: int, observers: int) -> None:
 def _case(read: Recording, pair: MusclePair, compiled: CompiledBank, every: Table, corrected: bool, kept: int) -> Case:
     if len(read) < 2:
         raise RecordingError(f"{read.source}: has one row of numbers; observers need two or more")
-    refuse_impossible_forces(read, pair)
+    refuse_impossible(read, pair)
     inputs, gaps = bridged(read)
     s = scales(pair)
     tau = s.tau(read.time - read.time[0])
@@ -150,8 +151,9 @@ def _case(read: Recording, pair: MusclePair, compiled: CompiledBank, every: Tabl
     if period > _LONGEST_PERIOD:
         raise RecordingError(
             f"{read.source}: a sample every {period / s.rate:.3g} s is too few for muscles of v_max = {s.rate:g}/s; "
-            f"at most {_LONGEST_PERIOD / s.rate:.3g} s"
+            f"at most {_LONGEST_PERIOD / s.rate:.3g} s; is time in another unit?"
         )
+    refuse_long_steps(read)
     z = tendon_lengths(compiled, np.array(every.values(lengths_block(compiled.bank), s.numbers)), y)
     # acc = (y₃ − y₂)/m
     sizes = first_pass(y[:, 0], z[:, 0], z[:, 1], (y[:, 2] - y[:, 1]) / s.numbers["plant.m"], period)
@@ -171,7 +173,7 @@ def _follow(
     numbers = np.array(every.values(block, given))
     kept = len(range(len(case.tau))[case.kept])
     y, guards, place = np.empty((kept, len(block.y))), np.empty((kept, len(block.guards))), 0
-    for piece, outputs, active in followed(compiled, name, numbers, steps, case.tau, case.y):
+    for piece, outputs, active in followed(compiled, name, numbers, steps, case.period, case.tau, case.y):
         wanted = slice(-piece.start % case.every, None, case.every)
         here = slice(place, place + len(outputs[wanted]))
         y[here], guards[here], place = outputs[wanted], active[wanted], here.stop

@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 
 from .quote import escaped
-from .terminal import bar, print_table, user_errors
+from .terminal import bar, complain, print_table, user_errors
 
 _NUMERICAL = 1
 
@@ -40,8 +40,8 @@ def estimate(
     """
     with user_errors():
         from .estimate import estimate as estimated
-        from .estimate_files import save_estimates
-        from .estimate_report import notes, score_table
+        from .estimate_files import refuse_overwriting, save_estimates
+        from .estimate_report import failures, notes, score_table
         from .estimate_scores import scores
         from .files import writable_folder
         from .mapping import read_mapping
@@ -49,6 +49,7 @@ def estimate(
         from .scenario import parse_change
 
         folder = writable_folder(Path(out))
+        refuse_overwriting((recording, muscles), folder)
         changes = dict(parse_change(text) for text in settings)
         with bar("following") as progress:
             dataset = estimated(
@@ -70,10 +71,12 @@ def estimate(
         with bar("writing"):
             paths = save_estimates(dataset, found, folder)
             if not no_figures:
-                from .estimate_figures import estimate_sheet
-                from .figures import write_figures
+                from .estimate_figures import save_sheet
 
-                paths += write_figures({"sheet": estimate_sheet(dataset)}, folder, "estimates")
+                paths += save_sheet(dataset, folder, "estimates")
         click.echo(escaped(f"written to {folder}/: {', '.join(path.name for path in paths)}"))
-    if not dataset.velocity_hat.notnull().all():
+        ended = list(failures(dataset))
+    for sentence in ended:
+        complain(sentence)
+    if ended:
         sys.exit(_NUMERICAL)

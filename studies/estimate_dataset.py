@@ -106,14 +106,15 @@ def _about(unit: str, sentence: str) -> dict[str, str]:
 
 def _manifest(case: Case, results: Mapping[str, Followed], library: str) -> dict[str, str]:
     """What the estimates can be repeated from; everything as text, for NetCDF."""
+    recording = case.recording
     sets = [muscle.curves for muscle in (case.pair.muscle1, case.pair.muscle2)]
     # how closely a user's tables are followed
     tables = {f"{curves.name}: {curves.sentence}": None for curves in sets if curves.name not in CURVES}
     return {
         "Conventions": "CF-1.11",
-        "title": f"hillobs: estimates from {case.recording.source}",
-        "source": case.recording.source,
-        "notes": json.dumps([*case.recording.notes(), *tables]),
+        "title": f"hillobs: estimates from {recording.source}",
+        "source": recording.source,
+        "notes": json.dumps([*recording.notes(), *tables]),
         "muscles": case.pair.description,
         "numbers": json.dumps(dict(case.scales.numbers)),
         "curves": json.dumps([curves.name for curves in sets]),
@@ -121,6 +122,8 @@ def _manifest(case: Case, results: Mapping[str, Followed], library: str) -> dict
         "gains": json.dumps({name: dict(result.gains) for name, result in results.items()}),
         "substeps": json.dumps({name: result.substeps for name, result in results.items()}),
         "period": repr(case.period / case.scales.rate),
+        "longest_step": repr(float(np.diff(recording.time).max())),
+        "duration": repr(float(recording.time[-1] - recording.time[0])),
         "samples": str(len(case.tau)),
         "every": str(case.every),
         "corrected": json.dumps(case.corrected),

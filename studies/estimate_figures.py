@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from pathlib import Path
 
 import numpy as np
 import xarray as xr
@@ -10,81 +11,119 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from ..codegen.library import Array
 from ..observers import label
 from . import style
-from .figures import settings
+from .estimate_scores import SETTLED
+from .figures import settings, write_figures
 
 # points of a line that a page can show
 _MOST_POINTS = 4000
-_ROW = 1.15  # inches
-# what is drawn, its unit on paper, and the factor to it
-_ROWS: Sequence[tuple[str, str, float]] = (
-    ("activation_1", "activation 1", 1.0),
-    ("activation_2", "activation 2", 1.0),
-    ("velocity", "velocity\nmm/s", 1e3),
-    ("fibre_length_1", "fibre 1\nmm", 1e3),
-    ("fibre_length_2", "fibre 2\nmm", 1e3),
-    ("disturbance", "disturbance\nN", 1.0),
+# inches: a panel, and one that is looked at most
+_ROW, _TALL = 0.95, 1.45
+# error lines of several observers lie over each other
+_THIN = 0.6
+# what is drawn, its words on paper, the factor to its unit, and how high its panel is
+_ESTIMATES: Sequence[tuple[str, str, float, float]] = (
+    ("activation_1", "activation 1", 1.0, _TALL),
+    ("activation_2", "activation 2", 1.0, _TALL),
+    ("velocity", "velocity\nmm/s", 1e3, _ROW),
+    ("fibre_length_1", "fibre 1\nmm", 1e3, _ROW),
+    ("fibre_length_2", "fibre 2\nmm", 1e3, _ROW),
+    ("disturbance", "external\nforce, N", 1.0, _ROW),
+)
+# the error of the activations, where it is known, and what an observer leaves unexplained, both muscles together
+_ERROR = ("activation_error", "error of\nactivations", 1.0)
+_INNOVATIONS = (
+    ("position_innovation", "innovation of\nposition, mm", 1e3),
+    ("tendon_innovation", "of tendon\nlengths, mm", 1e3),
 )
 
 
 def estimate_sheet(dataset: xr.Dataset) -> Figure:
-    """Position and forces; estimates of each observer beside the truth, if it is known; innovations."""
+    """Position and forces; estimates of each observer beside the truth, if it is known; errors and innovations."""
     thin = dataset.isel(time=slice(None, None, -(-dataset.sizes["time"] // _MOST_POINTS)))
-    looks = style.observer_styles(dataset.observer.values.tolist())
-    t = thin.time.values
+    differences = [*_INNOVATIONS]
+    if "true_activation" in thin:
+        thin = thin.assign(activation_error=thin.activation_hat - thin.true_activation)
+        differences.insert(0, _ERROR)
+    looks = style.observer_styles(thin.observer.values.tolist())
+    heights = [_ROW, _ROW, *(height for *_, height in _ESTIMATES), *(_ROW for _ in differences)]
     with settings():
-        rows = len(_ROWS) + 4
-        figure = Figure(figsize=(style.PAGE, _ROW * rows), layout="constrained")
-        axes = list(figure.subplots(rows, 1, sharex=True))
-        axes[0].plot(t, thin.position.values * 1e3, color="black", linewidth=0.8)
-        axes[0].set_ylabel("position\nmm")
-        for j, look in zip((1, 2), style.lines(["1", "2"]).values(), strict=True):
-            axes[1].plot(t, thin.force.sel(muscle=j).values, **{**look, "linewidth": 0.9}, label=f"tendon {j}")
-        axes[1].set_ylabel("force\nN")
-        axes[1].legend(loc="lower right", ncols=2)
-        for panel, (name, words, factor) in zip(axes[2:], _ROWS, strict=False):
+        figure = Figure(figsize=(style.PAGE, sum(heights)), layout="constrained")
+        axes = list(figure.subplots(len(heights), 1, sharex=True, height_ratios=heights))
+        _measured(axes[0], axes[1], thin)
+        for panel, (name, words, factor, _) in zip(axes[2:], _ESTIMATES, strict=False):
             _estimates(panel, thin, looks, name, factor)
             panel.set_ylabel(words)
-        for name, look in looks.items():
-            of = thin.sel(observer=name)
-            axes[-2].plot(t, of.position_innovation.values * 1e3, **{**look, "linewidth": 0.6})
-            for j in (1, 2):
-                axes[-1].plot(t, of.tendon_innovation.sel(muscle=j).values * 1e3, **{**look, "linewidth": 0.6})
-        axes[-2].set_ylabel("innovation of\nposition, mm")
-        axes[-1].set_ylabel("of tendon\nlengths, mm")
+        for panel, (name, words, factor) in zip(axes[2 + len(_ESTIMATES) :], differences, strict=True):
+            _differences(panel, thin, looks, name, factor)
+            panel.set_ylabel(words)
         axes[-1].set_xlabel("time, s")
+        axes[-1].set_xlim(float(thin.time[0]), float(thin.time[-1]) if thin.sizes["time"] > 1 else None)
         _mark(axes, thin)
+        figure.align_ylabels(axes)
         handles = [Line2D([], [], label=label(name), **look) for name, look in looks.items()]
-        if any(f"true_{name.rstrip('_12')}" in dataset for name, _, _ in _ROWS):
+        if any(f"true_{name.rstrip('_12')}" in dataset for name, *_ in _ESTIMATES):
             handles.append(Line2D([], [], label="true", **style.TRUE))
         figure.legend(handles=handles, loc="outside upper center", ncols=len(handles))
     return figure
 
 
-def _estimates(axes: Axes, thin: xr.Dataset, looks: dict[str, style.Style], name: str, factor: float) -> None:
+def save_sheet(dataset: xr.Dataset, folder: str | Path, stem: str) -> list[Path]:
+    """Write the sheet as `STEM-sheet.png` and `.pdf`; the same estimates give the same bytes."""
+    return write_figures({"sheet": estimate_sheet(dataset)}, folder, stem)
+
+
+def _measured(above: Axes, below: Axes, thin: xr.Dataset) -> None:
+    above.plot(thin.time.values, thin.position.values * 1e3, color="black", linewidth=0.8)
+    above.set_ylabel("position\nmm")
+    for j, look in zip((1, 2), style.lines(["1", "2"]).values(), strict=True):
+        below.plot(thin.time.values, thin.force.sel(muscle=j).values, **{**look, "linewidth": 0.9}, label=f"tendon {j}")
+    below.set_ylabel("force\nN")
+    # above its panel, not over the data
+    below.legend(loc="lower right", bbox_to_anchor=(1, 0.95), ncols=2, borderaxespad=0, labelspacing=0)
+
+
+def _estimates(axes: Axes, thin: xr.Dataset, looks: Mapping[str, style.Style], name: str, factor: float) -> None:
     base, _, muscle = name.rpartition("_") if name[-1] in "12" else (name, "", "")
 
     def of(variable: str) -> xr.DataArray:
-        found = thin[variable]
+        found = thin[variable] * factor
         return found.sel(muscle=int(muscle)) if muscle else found
 
     estimates = of(f"{base}_hat")
     for observer, look in looks.items():
-        axes.plot(thin.time.values, estimates.sel(observer=observer).values * factor, **look)
-    shown = [estimates]
+        axes.plot(thin.time.values, estimates.sel(observer=observer).values, **look)
+    shown = [_settled(estimates)]
     if f"true_{base}" in thin:
-        shown.append(of(f"true_{base}"))
-        axes.plot(thin.time.values, shown[-1].values * factor, **style.TRUE)
+        true = of(f"true_{base}")
+        shown.append(_settled(true))
+        axes.plot(thin.time.values, true.values, **style.TRUE)
     if base == "activation":
         axes.set_ylim(-0.03, 1.03)
     else:
-        # the first moments may be wild
-        late = np.concatenate([a.isel(time=slice(thin.sizes["time"] // 50, None)).values.ravel() for a in shown])
-        late = late[np.isfinite(late)] * factor
-        if late.size and late.max() > late.min():
-            margin = 0.08 * (late.max() - late.min())
-            axes.set_ylim(late.min() - margin, late.max() + margin)
+        _fit(axes, np.concatenate(shown))
+
+
+def _differences(axes: Axes, thin: xr.Dataset, looks: Mapping[str, style.Style], name: str, factor: float) -> None:
+    for observer, look in looks.items():
+        # (time), or (time × muscle)
+        axes.plot(thin.time.values, thin[name].sel(observer=observer).values * factor, **{**look, "linewidth": _THIN})
+    _fit(axes, _settled(thin[name] * factor))
+
+
+def _settled(array: xr.DataArray) -> Array:
+    """The finite values after observers have found in, or all of a short recording."""
+    late = array.sel(time=slice(float(array.time[0]) + SETTLED, None))
+    values: Array = (late if late.sizes["time"] else array).values
+    return values[np.isfinite(values)]
+
+
+def _fit(axes: Axes, values: Array) -> None:
+    """Limits that hold what came after the first, maybe wild, moments."""
+    if values.size and (height := np.ptp(values)) > 0:
+        axes.set_ylim(values.min() - 0.08 * height, values.max() + 0.08 * height)
 
 
 def _mark(axes: Sequence[Axes], thin: xr.Dataset) -> None:

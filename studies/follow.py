@@ -6,6 +6,7 @@ import functools
 from collections.abc import Iterator
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..codegen.bank import Bank
 from ..codegen.filters import CompiledBank
@@ -20,6 +21,8 @@ from .muscle_file import MusclePair
 
 # samples between two words of progress
 _CHUNK = 65_536
+# periods that a step may be longer than usual; RK4 has 10 % before it is unstable
+_JITTER = 0.05
 _LENGTHS = "lengths"
 
 
@@ -54,14 +57,27 @@ def lengths_block(bank: Bank) -> Block:
 
 
 def followed(
-    compiled: CompiledBank, observer: str, numbers: Array, substeps: int, t: Array, y: Array
+    compiled: CompiledBank, observer: str, numbers: Array, substeps: int, period: float, t: Array, y: Array
 ) -> Iterator[tuple[slice, Array, Array]]:
-    """Samples, and outputs and guards there, piece by piece."""
+    """Samples, and outputs and guards there, piece by piece; `substeps` are those of a step of one `period`."""
     filter_ = compiled.follow(observer, numbers, substeps)
     for start in range(0, len(t), _CHUNK):
-        piece = slice(start, start + _CHUNK)
-        found = filter_.samples(t[piece], y[piece])
-        yield piece, found.y, found.guards
+        piece, before = slice(start, start + _CHUNK), slice(max(0, start - 1), start + _CHUNK)
+        times, values, own = _filled(t[before], y[before], period)
+        new = min(start, 1)  # the last sample of the piece before has been seen
+        found = filter_.samples(times[new:], values[new:])
+        own = own[new:] - new
+        yield piece, found.y[own], found.guards[own]
+
+
+def _filled(t: Array, y: Array, period: float) -> tuple[Array, Array, NDArray[np.int64]]:
+    """Samples with further ones in straight lines wherever a step is longer than usual, and the places of their own."""
+    parts = np.maximum(np.ceil(np.diff(t) / period - _JITTER), 1)
+    own = np.concatenate([[0], np.cumsum(parts)]).astype(np.int64)
+    if own[-1] == len(t) - 1:
+        return t, y, own
+    every = np.arange(own[-1] + 1)
+    return np.interp(every, own, t), np.stack([np.interp(every, own, column) for column in y.T], axis=1), own
 
 
 def _lengths(curves: Curves) -> Block:

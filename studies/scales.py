@@ -56,7 +56,7 @@ class Scales:
     def fibre_velocity(self, u: Array) -> Array:
         """Fibre velocity in m/s, positive when the fibre lengthens."""
         # fibre velocity_j = −l₀v₀u_j
-        return -u * self.length * self.rate
+        return 0.0 - u * self.length * self.rate
 
     def disturbance(self, Delta: Array) -> Array:
         """External force on the mass in N, positive to the right."""

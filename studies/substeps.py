@@ -51,7 +51,7 @@ def substeps(observer: str, gains: Mapping[str, float], T: float) -> int:
     n = T * max(rates(value)) / step
     if n > _MOST:
         raise ScenarioError(
-            f"the gains of {observer} are too fast for samples {T:.3g} apart: they ask for {n:.0f} steps in between, "
+            f"the gains of {observer} are too fast for samples {T:.3g} apart: they ask for {n:.3g} steps in between, "
             f"{_MOST} at most"
         )
     return max(1, math.ceil(n - _ROUNDING))
@@ -66,7 +66,7 @@ def _pole(value: _Values, eps: str, gains: Sequence[str]) -> float:
     """1/ε for binomial gains; for others the rate of a multiple pole that has as much of one of their coefficients."""
     k = len(gains)
     # (s + 1)ᵏ has the coefficients C(k, i)
-    return max(math.pow(value(h) / math.comb(k, i), 1 / i) for i, h in enumerate(gains, 1)) / value(eps)
+    return max(math.pow(abs(value(h)) / math.comb(k, i), 1 / i) for i, h in enumerate(gains, 1)) / value(eps)
 
 
 def _high_gain(value: _Values) -> Iterator[float]:

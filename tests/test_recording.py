@@ -373,6 +373,7 @@ def test_a_mapping_names_columns_and_units(folder: Path) -> None:
             {"position": "velocity"},
             "column 'velocity [m/s]': m/s is the unit of a velocity; a length is in m, cm, mm, um",
         ),
+        ({"position": "force_1"}, "there is no column force_1; 'force_1' is mapped to position"),
         ({"force_1": "force_2", "force_2": "force_2"}, "column 'force_2' is mapped to both force_1 and force_2"),
         ({"position": "position[furlong]"}, "column 'position': unknown unit 'furlong'; a length is in m, cm, mm, um"),
         (

@@ -349,4 +349,4 @@ def test_what_cannot_be_shown_is_said(command, tmp_path: Path) -> None:
     assert "unknown measure 'error'; there are rmse, peak" in command(*SWEEP, "--measure", "error")[2]
     save_netcdf(xr.Dataset({"rank": ("t", [4.0])}), tmp_path / "x.nc")
     code, _, err = command("figures", "x.nc")
-    assert (code, err) == (2, "hillobs: x.nc cannot be drawn: it is neither a run nor a sweep\n")
+    assert (code, err) == (2, "hillobs: x.nc cannot be drawn: it is no run, no sweep and no estimates\n")
