@@ -16,7 +16,6 @@ from hypothesis import strategies as st
 
 import hillobs
 from hillobs.model.block import Symbols
-from hillobs.model.curves import CURVES
 from hillobs.observers import FOLLOWERS
 from hillobs.studies import follow
 from hillobs.studies.estimate import DEFAULT_OBSERVERS, estimate
@@ -101,7 +100,7 @@ def activation(
     pair: MusclePair, s: Scales, j: int, force: np.ndarray, L_m: np.ndarray, velocity: np.ndarray
 ) -> np.ndarray:
     """From a tendon force, a muscle's length and the velocity of its fibre, in SI."""
-    curve = CURVES[getattr(pair, f"muscle{j}").curves]
+    curve = getattr(pair, f"muscle{j}").curves
     numbers = Symbols({name: ca.SX(s.numbers[f"muscle{j}.{name}"]) for name in curve.parameters})
     F, L, u = (ca.SX.sym(name) for name in "FLu")
     a = curve.activation(F, L - curve.Phi_S_inv(F, numbers), u, numbers)
@@ -138,7 +137,7 @@ def unlike(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
     pair = read_muscles(folder / "muscles.toml")
     s = scales(pair)
     period = float(s.rate * 1e-3)
-    changes = {f"muscle{j}.curves": getattr(pair, f"muscle{j}").curves for j in (1, 2)} | dict(s.numbers)
+    changes = {f"muscle{j}.curves": getattr(pair, f"muscle{j}").curves.name for j in (1, 2)} | dict(s.numbers)
     changes |= {"initial.x1": 3.1, "initial.x3": 2.03, "initial.x4": 1.92, "uncertainty.offset": 0.02}
     changes |= {"uncertainty.amplitude": 0.08, "uncertainty.frequency": 0.3, "activation1.frequency": 0.35}
     changes |= {"activation2.frequency": 0.25, "noise.period": 0, "noise.drift": 0}

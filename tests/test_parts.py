@@ -368,7 +368,8 @@ class Machine(RuleBasedStateMachine):
     def damage(self, data: st.DataObject, how: str) -> None:
         part = data.draw(st.sampled_from(sorted(self.parts() - self.damaged)))
         path = self.here.parts / f"{part:08d}.part"
-        if how == "remove":
+        others = sorted(self.parts() - {part})
+        if how == "remove" or (how == "swap" and not others):
             path.unlink()
             return
         self.damaged.add(part)
@@ -377,10 +378,7 @@ class Machine(RuleBasedStateMachine):
         elif how == "cut":
             os.truncate(path, data.draw(st.integers(0, path.stat().st_size - 1)))
         else:
-            shutil.copy(
-                self.here.parts / f"{data.draw(st.sampled_from(sorted(self.parts() - {part}) or [part])):08d}.part",
-                path,
-            )
+            shutil.copy(self.here.parts / f"{data.draw(st.sampled_from(others)):08d}.part", path)
             if is_part(path, part):
                 self.damaged.discard(part)
 

@@ -79,7 +79,7 @@ def run_together(sweeps: list[Plan]) -> np.ndarray:
     points = [one.numbers(np.arange(one.runs)) for one in sweeps]
     rows = {name: np.concatenate([numbers[name] for numbers in points]) for name in points[0]}
     empty = plan("challenge", {}, 1, OBSERVERS).axes
-    together = Together(base.prepared, empty, base.seeds, base.observers, QUANTITIES, MEASURES, rows)
+    together = Together(base.prepared, empty, base.seeds, base.observers, QUANTITIES, MEASURES, base.part, rows)
     numbers = compute_part(together, compile_loop(base.prepared.loop), 0)
     each = numbers[:, :-2].reshape(len(sweeps), base.runs, len(OBSERVERS), -1)
     assert np.isnan(each[..., -2]).all(), "an observer failed"
