@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import time
 from pathlib import Path
 
 import click
@@ -51,6 +52,7 @@ def estimate(
         folder = writable_folder(Path(out))
         refuse_overwriting((recording, muscles), folder)
         changes = dict(parse_change(text) for text in settings)
+        begun = time.monotonic()
         with bar("following") as progress:
             dataset = estimated(
                 recording,
@@ -62,8 +64,10 @@ def estimate(
                 whole_number("--every", every, 1),
                 progress,
             )
+        seconds, samples = time.monotonic() - begun, int(dataset.attrs["samples"])
         for note in notes(dataset):
             click.echo(escaped(note))
+        click.echo(f"read and followed in {seconds:.2g} s, {seconds / samples * 1e6:.2g} µs a sample")
         found = scores(dataset)
         if found:
             click.echo()
