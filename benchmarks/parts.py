@@ -12,9 +12,10 @@ from contextlib import ExitStack
 from pathlib import Path
 
 from hillobs.codegen.toolchain import NATIVE, PORTABLE
+from hillobs.studies.computing import Compute, compute_part
 from hillobs.studies.loops import compile_loop
 from hillobs.studies.plan import PART, Plan, plan
-from hillobs.studies.sweep import Compute, compute_part, engine, sweep, sweep_planned
+from hillobs.studies.sweep import engine, sweep, sweep_planned
 
 from .machine import machine
 

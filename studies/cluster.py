@@ -17,6 +17,7 @@ from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING
 
+from .cluster_error import ClusterError
 from .quote import shown
 
 if TYPE_CHECKING:
@@ -24,8 +25,8 @@ if TYPE_CHECKING:
 
     from ..codegen.batch import CompiledLoop
     from ..codegen.library import Array
+    from .computing import Compute, Computed
     from .plan import Plan
-    from .sweep import Compute, Computed
 
 LOCAL = "local"
 
@@ -34,10 +35,6 @@ _ANSWER = 5.0  # seconds that a scheduler may take to answer at first
 _PATIENCE = 60.0  # seconds that a cluster may be without a worker
 _LOOK = 1.0  # seconds between two looks at a silent cluster
 _AHEAD = 2  # parts under way for each thread of the cluster
-
-
-class ClusterError(RuntimeError):
-    """A cluster cannot be used or was lost; the message says what to do."""
 
 
 class ClusterWarning(UserWarning):
@@ -59,8 +56,8 @@ def on_cluster(address: str, workers: int | None = None) -> Iterator[Compute]:
         dask = importlib.import_module("distributed")
     except ImportError as error:
         raise ClusterError("a cluster needs dask: pip install 'hillobs[cluster]'") from error
+    from .computing import cores
     from .local_cluster import local_client
-    from .sweep import cores
 
     with dask.utils.silence_logging_cmgr(logging.CRITICAL), contextlib.ExitStack() as stack:
         if address == LOCAL:

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from ..codegen.filters import CompiledBank
 from ..codegen.library import Array
 from ..model.symbols import hat
 from ..observers import FOLLOWERS
+from .case import Case, Followed
 from .estimate_dataset import estimate_dataset
 from .follow import compiled_bank, curves_of, followed, lengths_block, tendon_lengths
 from .gain_rule import gains
@@ -21,9 +20,9 @@ from .gaps import bridged, refuse_impossible, refuse_long_steps
 from .lines import RecordingError
 from .muscle_file import MusclePair, read_muscles
 from .quote import shown
-from .recorded_sizes import Sizes, first_pass
+from .recorded_sizes import first_pass
 from .recording import Recording, read_recording
-from .scales import Scales, scales
+from .scales import scales
 from .scenario import Value, checked_number
 from .substeps import substeps
 from .table import ScenarioError, Table, table
@@ -35,45 +34,6 @@ _NUMBERS, _MOST_NUMBERS = 20, 100_000_000
 DEFAULT_OBSERVERS = ("high_gain", "sliding_mode", "adaptive_sliding_mode")
 
 Progress = Callable[[float], None]
-
-
-@dataclass(frozen=True, eq=False)
-class Followed:
-    """One observer's outputs and guards by name, each (n), dimensionless, and how it was run."""
-
-    y: Mapping[str, Array]
-    guards: Mapping[str, Array]
-    gains: Mapping[str, float]
-    substeps: int
-
-
-@dataclass(frozen=True, eq=False)
-class Case:
-    """A recording in the paper's variables: times τ (n), measurements y (n × 3), tendon lengths z (n × 2).
-
-    Of the estimates every so-manieth is kept.
-    """
-
-    recording: Recording
-    pair: MusclePair
-    scales: Scales
-    tau: Array
-    y: Array
-    z: Array
-    gaps: NDArray[np.bool_]
-    sizes: Sizes
-    corrected: bool
-    every: int
-
-    @property
-    def kept(self) -> slice:
-        """The samples whose estimates are kept."""
-        return slice(None, None, self.every)
-
-    @property
-    def period(self) -> float:
-        """The usual time from sample to sample, in τ."""
-        return float(np.median(np.diff(self.tau)))
 
 
 def estimate(

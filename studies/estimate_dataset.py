@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import json
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -13,10 +13,8 @@ import xarray as xr
 from ..codegen.library import Array
 from ..model.curves import CURVES
 from ..model.symbols import STATES, hat
+from .case import Case, Followed
 from .versions import versions
-
-if TYPE_CHECKING:
-    from .estimate import Case, Followed
 
 _MUSCLES = (1, 2)
 # what a recording may know: name, unit, sentence

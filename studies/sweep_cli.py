@@ -64,7 +64,7 @@ def sweep(
         from ..model.symbols import QUANTITIES
         from ..observers.score import MEASURES
         from .axes import DESIGNS, parse_axis
-        from .cluster import ClusterError
+        from .cluster_error import ClusterError
         from .files import writable_folder
         from .numbers import whole_number
         from .pace import Pace

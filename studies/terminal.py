@@ -70,7 +70,7 @@ def user_errors() -> Iterator[None]:
     """A user's mistake as one sentence and exit code 2."""
     from ..codegen.cache import BuildError
     from ..model.block import BlockError
-    from .cluster import ClusterError
+    from .cluster_error import ClusterError
     from .files import ResultError
     from .lines import RecordingError
     from .table import ScenarioError

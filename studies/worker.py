@@ -11,12 +11,12 @@ from typing import Any
 from ..codegen.batch import CompiledLoop
 from ..codegen.cache import BuildError
 from ..codegen.library import Array
-from .cluster import ClusterError
+from .cluster_error import ClusterError
+from .computing import compute_part
 from .loops import compile_loop
 from .plan import Plan
 from .plan_text import plan_of, text_of
 from .same_code import code, difference
-from .sweep import compute_part
 
 # threads of one worker do not build the same thing twice
 _building = threading.Lock()

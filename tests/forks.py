@@ -160,11 +160,11 @@ def _redirect(number: int, name: str, where: str, otherwise: int) -> None:
 
 def _tell(report: int, case: dict) -> None:
     """Count the calls that have to do with the folder of the case, and strike at one; tell of them and of parts."""
-    from hillobs.studies import sweep
+    from hillobs.studies import computing as parts
     from hillobs.studies.quote import escaped
 
     folder, at, near = case["folder"], case.get("at", 0), case.get("near", "")
-    compute_part, count, inside = sweep.compute_part, 0, threading.local()
+    compute_part, count, inside = parts.compute_part, 0, threading.local()
 
     def tell(*words: object) -> None:
         with contextlib.suppress(OSError):
@@ -175,7 +175,7 @@ def _tell(report: int, case: dict) -> None:
         sys.audit("kernel", folder)
         return compute_part(wanted, compiled, part, *rest)
 
-    sweep.compute_part = computing
+    parts.compute_part = computing
     for name in ("fsync", "pwrite", "pread"):
         setattr(os, name, _audited(name, getattr(os, name)))
 

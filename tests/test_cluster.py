@@ -21,7 +21,8 @@ from hillobs.studies import cluster as clusters
 from hillobs.studies import plan as planning
 from hillobs.studies import worker
 from hillobs.studies.axes import Range
-from hillobs.studies.cluster import ClusterError, ClusterWarning, on_cluster, warn_of_open_ports
+from hillobs.studies.cluster import ClusterWarning, on_cluster, warn_of_open_ports
+from hillobs.studies.cluster_error import ClusterError
 from hillobs.studies.local_cluster import kept_alive
 from hillobs.studies.plan import plan
 from hillobs.studies.plan_text import plan_of, text_of

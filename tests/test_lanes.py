@@ -9,10 +9,10 @@ import pytest
 from hillobs.codegen.batch import CompiledLoop, Outcome
 from hillobs.codegen.library import Array
 from hillobs.studies import plan as planning
+from hillobs.studies.computing import on_threads
 from hillobs.studies.loops import compile_loop
 from hillobs.studies.plan import Plan, plan
 from hillobs.studies.prepare import BASELINE, Prepared, prepare
-from hillobs.studies.sweep import on_threads
 from hillobs.studies.sweep_dataset import width
 
 OBSERVERS = (BASELINE, "high_gain", "sliding_mode", "adaptive_sliding_mode")

@@ -17,6 +17,7 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, precondition, rule, run_state_machine_as_test
 
+from hillobs.studies import computing
 from hillobs.studies import plan as planning
 from hillobs.studies import sweep as sweeping
 from hillobs.studies.files import ResultError, sealed
@@ -54,9 +55,9 @@ class Sweep:
             self.computed.append(given[2])
             return compute_part(*given)
 
-        compute_part = sweeping.compute_part
+        compute_part = computing.compute_part
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(sweeping, "compute_part", counting)
+            patch.setattr(computing, "compute_part", counting)
             patch.setattr(planning, "PART", 4)
             given = {"out": self.out, "workers": 1, "progress": progress, "quantities": ["x2"]}
             return sweep("paper-noisy", self.over, 4, "high_gain", self.changes, **given)

@@ -10,11 +10,12 @@ from hillobs.codegen.library import Array
 from hillobs.model.pair import DRIVES
 from hillobs.model.symbols import QUANTITIES
 from hillobs.observers.score import MEASURES
+from hillobs.studies.computing import compute_part
 from hillobs.studies.loops import compile_loop, full_table
 from hillobs.studies.plan import Plan, plan
 from hillobs.studies.prepare import BASELINE, prepare
 from hillobs.studies.simulate import simulate
-from hillobs.studies.sweep import compute_part, sweep
+from hillobs.studies.sweep import sweep
 from hillobs.studies.table import RUN, ScenarioError, block_paths
 
 OBSERVERS = (BASELINE, "high_gain", "sliding_mode", "adaptive_sliding_mode")
