@@ -149,6 +149,3 @@ def _start(case: Case) -> dict[str, float]:
 
 def _named(names: Mapping[str, object], columns: Array) -> dict[str, Array]:
     return {name: columns[:, i] for i, name in enumerate(names)}
-
-
-__all__ = ["DEFAULT_OBSERVERS", "Case", "Followed", "estimate"]
