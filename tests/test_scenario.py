@@ -447,11 +447,9 @@ def test_an_observer_that_leaves_its_own_domain_is_named() -> None:
 
 def test_a_held_input_is_held() -> None:
     """The same observer with y1 held over a step must not be the one that sees it move."""
-    moving, held = (
-        simulate("paper-clean", [block], {**BRIEF, "mine.gain": 200.0}).x_hat.sel(state="x1")
-        for block in (own(), replace(own(), held=frozenset(["y1"])))
-    )
-    assert 0 < abs(moving - held).max() < 1e-4
+    both = [own(), replace(own(), name="holding", held=frozenset(["y1"]))]
+    run = simulate("paper-clean", both, {**BRIEF, "mine.gain": 200.0, "holding.gain": 200.0}).x_hat.sel(state="x1")
+    assert 0 < abs(run.sel(observer="mine") - run.sel(observer="holding")).max() < 1e-4
 
 
 def sampled(way: str) -> Block:
@@ -459,14 +457,16 @@ def sampled(way: str) -> Block:
     x = symbols([*ESTIMATES, "n"])
     still = Symbols(dict.fromkeys(ESTIMATES, 0.0))
     y = Symbols({name: x[name] for name in ESTIMATES})
-    return Block("counter", x=x, dx=still, y=y, x0=Symbols(dict.fromkeys(ESTIMATES, 2.0)), **{way: Symbols(n=x.n + 1)})
+    return Block(
+        f"counter_{way}", x=x, dx=still, y=y, x0=Symbols(dict.fromkeys(ESTIMATES, 2.0)), **{way: Symbols(n=x.n + 1)}
+    )
 
 
 def test_states_move_at_samples_and_at_steps() -> None:
     settings_of_run = {"duration": 0.05, "score.start": 0.0, "step": 5e-4, "noise.period": 5e-3}
-    counts = {w: simulate("paper-noisy", [sampled(w)], settings_of_run).counter_n for w in ("next", "per_step")}
-    assert counts["next"].values.tolist() == [1, 3, 5, 7, 9, 11]
-    assert counts["per_step"].values.tolist() == [1, 21, 41, 61, 81, 101]
+    counts = simulate("paper-noisy", [sampled("next"), sampled("per_step")], settings_of_run)
+    assert counts.counter_next_n.values.tolist() == [1, 3, 5, 7, 9, 11]
+    assert counts.counter_per_step_n.values.tolist() == [1, 21, 41, 61, 81, 101]
 
 
 def test_a_sampled_observer_without_samples_is_said() -> None:
