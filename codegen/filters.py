@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -52,8 +53,7 @@ class CompiledBank:
         self.path, self.dll = load(source, baseline)
         self.dll.hillobs_follow.argtypes = (ctypes.c_int64, ctypes.POINTER(_Filter))
         self.dll.hillobs_follow.restype = None
-        blocks = source.description["blocks"]
-        assert isinstance(blocks, list)  # noqa: S101  we have just made it
+        blocks: Any = source.description["blocks"]
         self.constants = {entry["name"]: int(entry["constants"]) for entry in blocks}
         self.lanes = self._ask()
 

@@ -1,7 +1,6 @@
 """What a sweep shows: causes of failures, optima, gain conditions, and figures that say what the Dataset says."""
 
 import json
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +9,6 @@ import xarray as xr
 from matplotlib.collections import PolyCollection, QuadMesh
 from matplotlib.figure import Figure
 
-from hillobs.studies import cli
 from hillobs.studies.axes import Axes, Range
 from hillobs.studies.files import load, save_netcdf
 from hillobs.studies.optimum import at_scenario, best, errors, failed, logarithmic, medians
@@ -302,22 +300,6 @@ def test_a_sweep_without_a_single_number_is_drawn(line: xr.Dataset, plane: xr.Da
 
 
 # ---------------------------------------------------------------- the command
-
-
-@pytest.fixture
-def command(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path):
-    monkeypatch.chdir(tmp_path)
-
-    def run(*arguments: str) -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", ["hillobs", *arguments])
-        code = 0
-        try:
-            cli.main()
-        except SystemExit as end:
-            code = int(end.code or 0)
-        return code, *capsys.readouterr()
-
-    return run
 
 
 SWEEP = ["sweep", "paper-noisy", "--set", "duration=0.2", "--set", "score.start=0.05", "--seeds", "2"]
