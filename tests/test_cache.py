@@ -24,7 +24,7 @@ from hillobs.codegen.cache import BuildError, CacheWarning
 KEY = cache.entry_key({"source": "a test"})
 OTHER = cache.entry_key({"source": "another test"})
 DESCRIPTION = {"names": ["x1", "x2", "Φ_S"], "sizes": {"x": 2, "u": 1}}
-CONTENT = random.Random(1).randbytes(9000)  # noqa: S311  bytes to compare, no secret
+CONTENT = random.Random(1).randbytes(9000)
 
 
 class Maker:
@@ -138,7 +138,7 @@ def test_times_of_files_mean_nothing(folder, seconds):
 
 
 CUTS = [0, 1, 63, 64, 4095, 4096, 4097, 8192, len(CONTENT) - 1]
-FLIPS = random.Random(2).sample(range(8 * len(CONTENT)), 64)  # noqa: S311
+FLIPS = random.Random(2).sample(range(8 * len(CONTENT)), 64)
 
 
 @pytest.mark.parametrize("size", CUTS)

@@ -122,7 +122,7 @@ def test_flipped_bits_are_found(unfinished: Sweep, untouched: bytes, first: int)
     """64 bits, sixteen after another in one part, then a second in another."""
     path = unfinished.whole()[1]
     good = path.read_bytes()
-    draw = random.Random(first)  # noqa: S311
+    draw = random.Random(first)
     for bit in [0, 8 * len(good) - 1, *draw.sample(range(8 * len(good)), 13)]:
         flip(path, bit)
         with sweeping.Parts(unfinished.out, identity(good), description(unfinished)) as parts:

@@ -233,7 +233,7 @@ def test_each_call_of_the_compiler(place, strace, record_property, call, action)
 
 @pytest.mark.parametrize("seed", range(4))
 def test_kills_at_random_times(place, record_property, seed):
-    draw = random.Random(seed)  # noqa: S311
+    draw = random.Random(seed)
     here, killed = place(), 0
     for _ in range(40):
         shutil.rmtree(here.cache, ignore_errors=True)
@@ -263,7 +263,7 @@ def test_32_processes_start_cold_at_once(place, record_property, round_):
 
 def test_processes_killed_while_others_wait(place, record_property):
     """Whoever holds the lock is killed; one of those who wait takes over."""
-    here, draw = place(), random.Random(1)  # noqa: S311
+    here, draw = place(), random.Random(1)
     for _ in range(5):
         shutil.rmtree(here.cache, ignore_errors=True)
         processes = [here.start() for _ in range(12)]

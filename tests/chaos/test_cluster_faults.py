@@ -28,7 +28,7 @@ START = 2.0  # seconds
 def test_whoever_dies_the_bits_are_the_same(at_once: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(planning, "PART", 64)
     whole = sweep("paper-noisy", OVER, seeds=400, changes=SHORTER, baseline=PORTABLE)
-    fate = random.Random(int(at_once))  # noqa: S311  no secret
+    fate = random.Random(int(at_once))
     started: list[subprocess.Popen[bytes]] = []
     deaths: list[int] = []
     start = local_cluster._start

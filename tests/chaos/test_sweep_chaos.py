@@ -111,7 +111,7 @@ def long(tmp_path_factory: pytest.TempPathFactory) -> tuple[bytes, float]:
 def test_fifty_kills_at_random_times(long, tmp_path: Path, record_property, seed: int) -> None:
     """Of one sweep after another; each goes on until it is done."""
     whole, seconds = long
-    draw, kills, ends = random.Random(seed), 0, 0  # noqa: S311
+    draw, kills, ends = random.Random(seed), 0, 0
     while kills < 50:
         process = subprocess.Popen(LONG, cwd=tmp_path, stderr=subprocess.PIPE, text=True, stdout=subprocess.DEVNULL)
         time.sleep(draw.uniform(0, 1.2 * seconds))
