@@ -23,10 +23,10 @@ sim: $(VENV)/.installed ## both of the paper's simulations, with all figures, in
 	$(BIN)/hillobs simulate
 
 sweep: $(VENV)/.installed ## error over ε_h, δ_s and δ_a, with and without noise, and a map, into results/
-	$(BIN)/python -m hillobs.studies.sweep_study
+	$(BIN)/python -m hillobs.studies.cli.pages.sweep
 
 estimate: $(VENV)/.installed ## activations from the shipped recording, scored, with a sheet, into results/estimate/
-	$(BIN)/hillobs estimate studies/recordings/dgf_smooth_noisy.csv.gz --muscles studies/recordings/dgf_smooth.toml \
+	$(BIN)/hillobs estimate studies/laboratory/recordings/dgf_smooth_noisy.csv.gz --muscles studies/laboratory/recordings/dgf_smooth.toml \
 		--observer high_gain --observer high_gain_3 --observer sliding_mode --observer adaptive_sliding_mode \
 		--out results/estimate
 
@@ -45,7 +45,7 @@ types: $(VENV)/.installed ## mypy, strict
 	cd $(VENV)/types && ../bin/mypy --config-file ../../pyproject.toml -p hillobs -p benchmarks
 
 observability: $(VENV)/.installed ## ranks, maps and figures of docs/observability.md
-	$(BIN)/python -m hillobs.studies.observability_study
+	$(BIN)/python -m hillobs.studies.cli.pages.observability
 
 chaos: $(VENV)/.installed ## long fault injection: kills, full disks, races
 	$(BIN)/python -m pytest -m chaos -p no:cacheprovider

@@ -14,8 +14,8 @@ import casadi as ca
 import numpy as np
 
 from hillobs.codegen.constants import hoisted
-from hillobs.codegen.library import Array
 from hillobs.codegen.stepper import STAGES
+from hillobs.model.arrays import Array
 from hillobs.model.block import Block, BlockError, Symbols
 from hillobs.observers.tendons import tendons_of_a_step
 

@@ -11,11 +11,11 @@ from collections.abc import Iterator
 from contextlib import ExitStack
 from pathlib import Path
 
+from hillobs.codegen.batch import compile_loop
 from hillobs.codegen.toolchain import NATIVE, PORTABLE
-from hillobs.studies.computing import Compute, compute_part
-from hillobs.studies.loops import compile_loop
-from hillobs.studies.plan import PART, Plan, plan
-from hillobs.studies.sweep import engine, sweep, sweep_planned
+from hillobs.studies.sweep.computing import Compute, compute_part
+from hillobs.studies.sweep.plan import PART, Plan, plan
+from hillobs.studies.sweep.run import engine, sweep, sweep_planned
 
 from .machine import machine
 

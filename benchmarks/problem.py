@@ -10,17 +10,16 @@ from dataclasses import dataclass, replace
 import casadi as ca
 import numpy as np
 
-from hillobs.codegen.batch import CompiledLoop
-from hillobs.codegen.library import Array
+from hillobs.codegen.batch import CompiledLoop, compile_loop
 from hillobs.codegen.loop import Loop
 from hillobs.codegen.memory import Grid
+from hillobs.model.arrays import Array
 from hillobs.model.block import Block
 from hillobs.model.symbols import QUANTITIES, hat
 from hillobs.model.wiring import wire
 from hillobs.observers import ESTIMATES, OBSERVERS
 from hillobs.observers.score import MEASURES
-from hillobs.studies.loops import compile_loop
-from hillobs.studies.prepare import prepare
+from hillobs.studies.scenarios.prepare import prepare
 
 SCENARIO = "paper-noisy"
 # what an observer estimates itself, and the one measure of it that a sweep of RMSE needs: 21 sums for three observers

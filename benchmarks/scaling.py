@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from hillobs.studies.loops import compile_loop
+from hillobs.codegen.batch import compile_loop
 
 from .problem import problem
 from .timing import clock

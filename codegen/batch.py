@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import functools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -10,9 +11,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..model.arrays import Array
 from ..model.block import Block
 from .cache import BuildError
-from .library import Array, load
+from .library import load
 from .loop import Loop, export_loop
 from .memory import Compiled, Grid, Memory, Whole
 from .structures import STRUCTURES, Batch
@@ -147,6 +149,12 @@ class CompiledLoop:
         if rest != expected:
             raise BuildError(f"{self.path} has other sizes than the loop it was built for.")
         return Compiled(lanes, row, constants)
+
+
+@functools.lru_cache(maxsize=16)
+def compile_loop(loop: Loop, baseline: str = NATIVE) -> CompiledLoop:
+    """The loop as machine code for the processors of `baseline`, from the cache if it is there."""
+    return CompiledLoop(loop, baseline)
 
 
 def _outcome(block: Block, memory: Memory, truth: Block) -> Outcome:

@@ -9,12 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..model.arrays import Array
 from ..model.block import Block
 from .bank import Bank
 from .cache import BuildError
 from .constants import hoisted
 from .export import Source, export_blocks
-from .library import Array, load
+from .library import load
 from .memory import aligned
 from .stepper import functions
 from .toolchain import SINGLE

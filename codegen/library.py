@@ -8,13 +8,13 @@ from pathlib import Path
 
 import casadi as ca
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from ..model.arrays import Array
 from .cache import ABI, BuildError
 from .export import Source, export_functions
 from .toolchain import NATIVE, build
 
-Array = NDArray[np.float64]
 _DOUBLES = np.ctypeslib.ndpointer(np.float64, flags="C_CONTIGUOUS")
 
 

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..model.arrays import Array
 from ..model.block import Block
-from .library import Array
 from .loop import Loop
 from .structures import Batch, FrontPart, Part, Runs
 

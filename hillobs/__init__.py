@@ -8,19 +8,19 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from .studies.conformance import conformance
-    from .studies.estimate import estimate
-    from .studies.observability import observability
-    from .studies.simulate import simulate
-    from .studies.sweep import sweep
+    from .studies.estimate.run import estimate
+    from .studies.observability.point import observability
+    from .studies.simulate.run import simulate
+    from .studies.sweep.run import sweep
 
 __version__ = version("hillobs")
 
 _PLACES = {
     "conformance": ".studies.conformance",
-    "estimate": ".studies.estimate",
-    "observability": ".studies.observability",
-    "simulate": ".studies.simulate",
-    "sweep": ".studies.sweep",
+    "estimate": ".studies.estimate.run",
+    "observability": ".studies.observability.point",
+    "simulate": ".studies.simulate.run",
+    "sweep": ".studies.sweep.run",
 }
 
 

@@ -1,6 +1,6 @@
 """`python -m hillobs` and the command `hillobs`."""
 
-from .studies.cli import main
+from .studies.cli.main import main
 
 if __name__ == "__main__":
     main()

@@ -7,14 +7,15 @@ from collections.abc import Iterator, Sequence
 import casadi as ca
 import numpy as np
 
-from ..codegen.library import Array, compile_functions
+from ..codegen.library import compile_functions
 from ..codegen.stepper import STAGES, functions
+from ..model.arrays import Array
 from ..model.block import Block, BlockError
 from ..model.symbols import MEASURED
 from ..observers import OBSERVERS, estimator
 from ..observers.ports import SENSED
 from ..observers.tendons import tendons
-from .simulate import simulate
+from .simulate.run import simulate
 
 _POINTS = 200
 _AGREEMENT = 1e-12

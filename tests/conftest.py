@@ -11,7 +11,7 @@ from hypothesis import settings
 from forks import Forks
 from hillobs.model.block import Block, Parameter, Symbols, symbols
 from hillobs.observers.ports import ESTIMATES
-from hillobs.studies import cli
+from hillobs.studies.cli import main as cli
 from survival import SWEEP
 
 # a slow machine is no failure

@@ -1,14 +1,14 @@
 """The README's Python runs as printed, and its commands are those that exist."""
 
 import re
-from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
 
-from hillobs.studies.cli import commands
+from hillobs.studies.cli.main import commands
+from places import ROOT
 
-README = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
+README = (ROOT / "README.md").read_text(encoding="utf-8")
 
 
 def test_the_python_examples_run(capsys: pytest.CaptureFixture[str]) -> None:
@@ -25,4 +25,4 @@ def test_the_commands_exist() -> None:
 
 def test_the_links_lead_somewhere() -> None:
     for target in re.findall(r"\]\((?!http)([^)#]+)\)", README):
-        assert (Path(__file__).parents[1] / target).exists(), target
+        assert (ROOT / target).exists(), target

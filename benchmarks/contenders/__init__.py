@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hillobs.codegen.cache import BuildError
-from hillobs.codegen.library import Array
+from hillobs.model.arrays import Array
 
 from ..problem import Problem, noise
 from ..roofline import Work

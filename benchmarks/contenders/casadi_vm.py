@@ -5,7 +5,7 @@ from __future__ import annotations
 import casadi as ca
 import numpy as np
 
-from hillobs.codegen.library import Array
+from hillobs.model.arrays import Array
 
 from ..lean import lean_step
 from ..problem import Problem, right_hand_side

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from hillobs.codegen.library import Array
+from hillobs.model.arrays import Array
 
 from ..emit import JAX, python
 from ..lean import lean_rates

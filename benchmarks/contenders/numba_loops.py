@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from hillobs.codegen.library import Array
+from hillobs.model.arrays import Array
 
 from ..emit import NUMBERS, in_loop, python
 from ..lean import lean_step

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hillobs.codegen.library import Array
+from hillobs.model.arrays import Array
 
 from ..emit import NUMPY, python
 from ..lean import lean_step

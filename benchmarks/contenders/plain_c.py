@@ -13,8 +13,8 @@ from pathlib import Path
 import casadi as ca
 import numpy as np
 
-from hillobs.codegen.library import Array
 from hillobs.codegen.toolchain import BASELINES, NATIVE
+from hillobs.model.arrays import Array
 
 from ..problem import Problem, right_hand_side
 from . import AbsentError, Contender, marching

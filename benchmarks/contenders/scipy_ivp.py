@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from hillobs.codegen.library import Array
+from hillobs.model.arrays import Array
 
 from ..emit import NUMBERS, python
 from ..lean import lean_rates

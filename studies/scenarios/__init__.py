@@ -1,1 +1,1 @@
-"""The scenarios that come with hillobs."""
+"""A scenario, checked, and the Blocks that run it; the TOML files beside this one are the shipped ones."""

@@ -1,0 +1,1 @@
+"""`make sweep` and `make observability`."""

@@ -1,0 +1,56 @@
+"""`make sweep`: the trade-off that the paper describes: error over ε_h, δ_s, δ_a, and over ε_h and the noise."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from ...figures.page import write_figures
+from ...figures.sweep.curves import curves
+from ...figures.sweep.figures import sweep_figures
+from ...files.netcdf import save_netcdf
+from ...files.writing import writable_folder
+from ...sweep.axes import Range
+from ...sweep.run import sweep
+from ..terminal import print_table, user_errors
+
+_TRIO = {
+    "high_gain.eps_h": Range(0.02, 0.5, 25, logarithmic=True),
+    "sliding_mode.delta_s": Range(0.001, 0.2, 25, logarithmic=True),
+    "adaptive_sliding_mode.delta_a": Range(0.006, 0.2, 25, logarithmic=True),
+}
+_SEEDS = 40
+_SHOWN = ("x2", "Delta", "u1", "a1")
+# how the best ε_h moves with the noise: from none to speak of to ten times the paper's
+_MAP = {
+    "high_gain.eps_h": Range(0.02, 0.5, 25, logarithmic=True),
+    "noise.x1": Range(1e-5, 1e-2, 13, logarithmic=True),
+}
+_MAP_SEEDS = 8
+_FOLDER = Path("results")
+
+
+def main() -> None:
+    """Run the sweeps, write their results and figures, print the optima."""
+    from ..reports.sweep import optimum
+
+    with user_errors():
+        folder = writable_folder(_FOLDER)
+        for path, values in _TRIO.items():
+            clean = sweep("paper-clean", {path: values})
+            noisy = sweep("paper-noisy", {path: values}, seeds=_SEEDS)
+            name = f"sweep-{path.rpartition('.')[2]}"
+            for dataset, suffix in ((clean, "clean"), (noisy, "noisy")):
+                save_netcdf(dataset, folder / f"{name}-{suffix}.nc")
+            write_figures({"trade-off": curves(noisy, _SHOWN, clean)}, folder, name)
+            click.echo(f"{path}, {_SEEDS} seeds, with noise:")
+            print_table(optimum(noisy))
+        both = sweep("paper-noisy", _MAP, seeds=_MAP_SEEDS)
+        save_netcdf(both, folder / "sweep-eps_h-noise.nc")
+        write_figures(sweep_figures(both)[0], folder, "sweep-eps_h-noise")
+        click.echo(f"written to {folder}/")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,1 @@
+"""A Dataset as sentences and tables."""

@@ -1,0 +1,112 @@
+"""What an estimate has to say on a terminal: how it was made, what was limited, how far it is from the truth."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+from rich.table import Table
+from rich.text import Text
+
+from ....observers import label
+from ...estimate.scores import BOTH, SETTLED, Score
+from .number import number
+
+# a table in the units that muscles have
+_SHOWN = {
+    "velocity": ("velocity, mm/s", 1e3),
+    "disturbance": ("disturbance, N", 1.0),
+    "fibre_length": ("fibre length, mm", 1e3),
+    "fibre_velocity": ("fibre velocity, mm/s", 1e3),
+    "activation": ("activation", 1.0),
+}
+# episodes named one by one
+_FEW = 3
+# a step longer than this many of the usual is worth a word
+_UNEVEN = 1.1
+# the mass's acceleration over the muscles' pull: how steep is clearly against it, and how large is no slow motion,
+# in which all forces are in balance; measured on the six public recordings with muscles swapped
+_SLOPE, _FAST = 0.05, 0.4
+
+
+def notes(dataset: xr.Dataset) -> Iterator[str]:
+    """Sentences: the recording, the gains and their cost, gaps, slack tendons, what looks wrong, limits."""
+    attributes = dataset.attrs
+    time, period, longest = dataset.time.values, float(attributes["period"]), float(attributes["longest_step"])
+    yield (
+        f"{attributes['source']}: {int(attributes['samples']):,} samples, {float(attributes['duration']):.4g} s, "
+        f"one every {period * 1e3:.4g} ms"
+        + (f", but some after {longest * 1e3:.4g} ms" if longest > _UNEVEN * period else "")
+    )
+    if attributes["every"] != "1":
+        yield f"estimates are kept of every {attributes['every']}th sample"
+    yield from json.loads(attributes["notes"])
+    if dataset.bridged.any():
+        yield f"gaps bridged by straight lines {_episodes(time, dataset.bridged.values > 0)}"
+    for j in (1, 2):
+        if (slack := dataset.slack.sel(muscle=j).values > 0).any():
+            yield f"tendon {j} carries no force {_episodes(time, slack)}: its length and activation mean nothing there"
+    if _against(dataset):
+        yield (
+            "the mass accelerates against the difference of the tendon forces: either forces from outside rule it, or "
+            "the muscles are swapped (muscle 1 pulls towards position 0)"
+        )
+    gains, substeps = json.loads(attributes["gains"]), json.loads(attributes["substeps"])
+    for name in dataset.observer.values.tolist():
+        few = ", ".join(f"{path.partition('.')[2]} = {value:.3g}" for path, value in gains[name].items())
+        steps = substeps[name]
+        yield f"{label(name)}: {steps} step{'s' if steps > 1 else ''} from sample to sample; {few}"
+        of = dataset.sel(observer=name)
+        for j in (1, 2):
+            for what, sentence in (
+                ("velocity_limited", f"fibre {j} seems faster than its activation can be computed for"),
+                ("activation_limited", f"activation {j} would be below 0 or above 1"),
+            ):
+                if (active := of[what].sel(muscle=j).values > 0).any():
+                    yield f"  {sentence} {_episodes(time, active)}"
+
+
+def failures(dataset: xr.Dataset) -> Iterator[str]:
+    """A sentence per observer whose numbers end."""
+    for name in dataset.observer.values.tolist():
+        lost = ~np.isfinite(dataset.velocity_hat.sel(observer=name).values)
+        if lost.any():
+            at = float(dataset.time[lost.argmax()])
+            yield f"{name}: its numbers end at {at:.4g} s: gains too fast or unstable, or data too wild"
+
+
+def score_table(found: Sequence[Score]) -> Table:
+    """RMSE of each observer after the first second, both muscles together."""
+    table = Table(box=None, padding=(0, 2, 0, 0), title=f"RMSE after {SETTLED:g} s", title_justify="left")
+    shown = [q for q in _SHOWN if any(score.quantity == q for score in found)]
+    for heading in ("", *(_SHOWN[q][0] for q in shown)):
+        table.add_column(heading, justify="left" if not heading else "right", no_wrap=True)
+    by_key = {(s.observer, s.quantity): s.rmse for s in found if s.muscle in ("", BOTH)}
+    for observer in dict.fromkeys(score.observer for score in found):
+        cells = [number(by_key[observer, q] * _SHOWN[q][1]) for q in shown]
+        table.add_row(Text(label(observer)), *cells)
+    return table
+
+
+def _against(dataset: xr.Dataset) -> bool:
+    """Whether the mass clearly accelerates against force_2 − force_1; noise may hide that, but not feign it."""
+    late = dataset.isel(observer=0).sel(time=slice(float(dataset.time[0]) + SETTLED, None))
+    difference = np.diff(late.force.values, axis=1)[:, 0]
+    # mass · acceleration = force_2 − force_1 + disturbance
+    total = difference + late.disturbance_hat.values
+    if len(difference) < 2 or not np.isfinite(total).all():
+        return False
+    fast = total.std() > _FAST * difference.std()
+    return bool(fast and np.cov(difference, total)[0, 1] < -_SLOPE * difference.var())
+
+
+def _episodes(time: np.ndarray[tuple[int, ...], np.dtype[np.float64]], active: NDArray[np.bool_]) -> str:
+    """`from 1.2 to 1.3 s`, or how many times and how long in all."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], active, [False]]).astype(np.int8)))
+    starts, ends = edges[::2], edges[1::2] - 1
+    if len(starts) <= _FEW:
+        return ", ".join(f"from {time[a]:.4g} to {time[b]:.4g} s" for a, b in zip(starts, ends, strict=True))
+    return f"{len(starts):,} times, {active.mean():.2%} of the samples, first at {time[starts[0]]:.4g} s"

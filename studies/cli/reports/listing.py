@@ -1,0 +1,76 @@
+"""What there is: scenarios, observers, curve sets, parameters; and on which machine."""
+
+from __future__ import annotations
+
+import platform
+import sys
+import tomllib
+from collections.abc import Iterator
+
+from ....codegen.cache import BuildError, describe_cache
+from ....codegen.toolchain import find_compiler
+from ....model.curves import CURVES
+from ....observers import OBSERVERS
+from ...files.versions import versions
+from ...scenarios.loops import full_table
+from ...scenarios.scenario import CHOICES, shipped
+from ...scenarios.show import describe
+
+
+def listing(what: str) -> Iterator[str]:
+    """The lines of `hillobs list`: all, scenarios, observers, curves or parameters."""
+    parts = {"scenarios": _scenarios, "observers": _observers, "curves": _curves, "parameters": _parameters}
+    for name, lines in parts.items():
+        if what in ("all", name):
+            yield f"{name}:"
+            yield from (f"  {line}" for line in lines())
+            yield ""
+
+
+def information() -> Iterator[str]:
+    """The lines of `hillobs info`."""
+    for name, version in versions().items():
+        yield f"{name:9} {version}"
+    yield f"machine   {platform.machine()}, {platform.system()} {platform.release()}"
+    try:
+        compiler = find_compiler()
+        yield f"compiler  {' '.join(compiler.command)}: {compiler.version.splitlines()[0]}"
+    except BuildError as error:
+        yield f"compiler  {error}"
+    cache = describe_cache()
+    yield f"cache     {cache['folder']}: {cache['libraries']} libraries, {cache['bytes']} bytes"
+    if cache["problem"]:
+        yield f"          it {cache['problem']}"
+
+
+def _scenarios() -> Iterator[str]:
+    for name, text in shipped().items():
+        yield f"{name:12} {tomllib.loads(text)['description']}"
+
+
+def _observers() -> Iterator[str]:
+    for name, observer in OBSERVERS.items():
+        yield f"{name:22} {observer.label}: {_first_line(observer.build.__module__)}"
+
+
+def _first_line(module: str) -> str:
+    return (sys.modules[module].__doc__ or "").strip().splitlines()[0]
+
+
+def _curves() -> Iterator[str]:
+    for name, curves in CURVES.items():
+        yield f"{name:20} {curves.sentence} ({curves.source})"
+        yield f"{'':20} {', '.join(f'{key} {number.default:g}' for key, number in curves.parameters.items())}"
+
+
+def _parameters() -> Iterator[str]:
+    every = full_table()
+    yield f"{'path':44} {'default':>10}  meaning [unit, where it is not 1] (source)"
+    for path, valid in CHOICES.items():
+        yield f"{path:44} {valid[0]:>10}  one of {', '.join(valid)}"
+    own = {path: parameter for path, parameter in every.paths.items() if parameter.shared in ("", path)}
+    yield from (f"{path:44} {p.default:>10.6g}  {describe(p)}" for path, p in own.items())
+    yield "Other curves have other numbers in the place of the paper's: `hillobs list curves`."
+    yield "`muscle.k` sets muscle1.k and muscle2.k; likewise all of muscle, and pulse. In one file or on one command"
+    yield "line muscle1.k wins over muscle.k, whatever their order; a command line wins over a file."
+    yield "An observer or the controller may have its own m, C, muscle.…, initial.…: high_gain.m, controller.muscle1.k."

@@ -1,0 +1,15 @@
+"""Numbers in tables: two digits, short."""
+
+from __future__ import annotations
+
+
+def number(value: float) -> str:
+    """Two digits, short: 1.8e-4, 0.52, 12."""
+    if value != value:
+        return "–"
+    if value == 0:
+        return "0"
+    if not 1e-2 <= abs(value) < 1e4:
+        mantissa, _, exponent = f"{value:.1e}".partition("e")
+        return f"{mantissa}e{int(exponent)}"
+    return f"{value:.2g}" if abs(value) < 100 else f"{value:.0f}"

@@ -1,0 +1,168 @@
+"""`hillobs sweep`: a scenario over parameters and seeds."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from types import FrameType
+from typing import TYPE_CHECKING
+
+import click
+
+from ..files.quote import escaped, shown
+from .terminal import bar, complain, counted, print_table, user_errors
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_INTERRUPTED, _NUMERICAL = 128, 1
+
+
+@click.command()
+@click.argument("scenario", default="paper-noisy", metavar="[SCENARIO|FILE.toml]")
+@click.option("--over", multiple=True, metavar="PATH=VALUES", help="0.1,0.2 or lin:LOW:HIGH:COUNT or log:….")
+@click.option("--seeds", default="1", show_default=True, metavar="N", help="Runs per point, with the seeds 0 to N − 1.")
+@click.option("--zip", "zipped", is_flag=True, help="The i-th values go together, instead of all combinations.")
+@click.option("--design", metavar="KIND:N", help="N points of a design in the ranges: latin:N or sobol:N.")
+@click.option("--observer", "observers", multiple=True, metavar="NAME", help="Only this observer; may be repeated.")
+@click.option("--set", "settings", multiple=True, metavar="PATH=VALUE", help="Change a number of the scenario.")
+@click.option("--out", metavar="FILE.nc", help="Where result and figures go; an unfinished sweep goes on there.")
+@click.option("--quantity", "quantities", multiple=True, metavar="NAME", help="Score x2, Delta, … only; repeatable.")
+@click.option(
+    "--measure", "kinds", multiple=True, metavar="NAME", help="Take peak, settling, chattering only; the RMSE always."
+)
+@click.option("--no-figures", is_flag=True, help="Write no figures.")
+@click.option("--workers", metavar="N", help="Threads, or processes of a local cluster; one per core by default.")
+@click.option("--baseline", metavar="NAME", help="Processors to compile for: this one; for a cluster, a class of them.")
+@click.option(
+    "--cluster", metavar="ADDRESS|local", help="Run on the dask scheduler at tls://HOST:PORT, or on one made here."
+)
+@click.option("--yes", is_flag=True, help="Do not ask before a very large sweep.")
+def sweep(
+    scenario: str,
+    over: tuple[str, ...],
+    seeds: str,
+    zipped: bool,
+    design: str | None,
+    observers: tuple[str, ...],
+    settings: tuple[str, ...],
+    out: str | None,
+    quantities: tuple[str, ...],
+    kinds: tuple[str, ...],
+    no_figures: bool,
+    workers: str | None,
+    baseline: str | None,
+    cluster: str | None,
+    yes: bool,
+) -> None:
+    """Run SCENARIO for all values of some parameters and many seeds; print where the errors are smallest."""
+    with _signals(out) as check, user_errors():
+        from ...model.symbols import QUANTITIES
+        from ...observers.score import MEASURES
+        from ..files.errors import ClusterError, ScenarioError
+        from ..files.numbers import whole_number
+        from ..files.writing import writable_folder
+        from ..scenarios.scenario import parse_change
+        from ..sweep.axes import DESIGNS, parse_axis
+        from ..sweep.plan import MANY_RUNS, plan
+        from ..sweep.run import engine, sweep_planned
+        from .pace import Pace
+        from .reports.sweep import notes, optimum
+
+        axes = dict(parse_axis(text) for text in over)
+        if len(axes) < len(over):
+            raise ScenarioError("a path is given to --over twice")
+        if zipped and design is not None:
+            raise ScenarioError("--zip and --design exclude each other")
+        kind, colon, samples = (("zip:0" if zipped else "grid:0") if design is None else design).partition(":")
+        if design is not None and (kind not in DESIGNS or not colon):
+            raise ScenarioError(f"--design must be {' or '.join(f'{name}:N' for name in DESIGNS)}, not {shown(design)}")
+        wanted = plan(
+            scenario,
+            axes,
+            whole_number("--seeds", seeds, 1),
+            list(observers) or None,
+            dict(parse_change(text) for text in settings),
+            kind,
+            whole_number("--design", samples, 0),
+            quantities or QUANTITIES,
+            kinds or MEASURES,
+        )
+        if wanted.runs > MANY_RUNS and not yes:
+            raise ScenarioError(f"{wanted.runs:,} runs are more than {MANY_RUNS:,}; say --yes if they are meant")
+        count = None if workers is None else whole_number("--workers", workers, 1)
+        path = None if out is None else writable_folder(Path(out).parent) / Path(out).name
+        with engine(count, cluster) as (compute, usual), counted("runs", wanted.runs) as advance:
+            pace = Pace(advance)
+
+            def progress(done: int, of: int) -> None:
+                check()
+                pace(done, of)
+
+            try:
+                dataset = sweep_planned(wanted, path, compute, baseline or usual, progress)
+            except ClusterError as error:
+                raise ClusterError(f"{error}{_kept(out)}") from error
+        for note in (*pace.sentences(), *notes(dataset)):
+            click.echo(note)
+        print_table(optimum(dataset))
+        if path is not None:
+            click.echo(_written(dataset, path, no_figures))
+    if dataset.failed_at.notnull().any() or dataset.plant_failed_at.notnull().any():
+        sys.exit(_NUMERICAL)
+
+
+def _written(dataset: xr.Dataset, path: Path, no_figures: bool) -> str:
+    """Draw the figures beside the result, and say where both are."""
+    written = escaped(f"written to {path}")
+    if no_figures:
+        return written
+    from ..figures.sweep.figures import save_sweep_figures
+
+    with bar("drawing"):
+        drawn, sentence = save_sweep_figures(dataset, path.parent, path.stem)
+    names = "".join(f", {figure.name} and .pdf" for figure in drawn if figure.suffix == ".png")
+    return f"{sentence}\n{written}{names}".lstrip()
+
+
+@contextlib.contextmanager
+def _signals(out: str | None) -> Iterator[Callable[[], None]]:
+    """Ctrl-C, TERM and HUP end the command with a sentence and 128 + the signal's number; yields a check for one."""
+    came: list[int] = []
+
+    def end(number: int, frame: FrameType | None) -> None:
+        came.append(number)
+        if len(came) == 1:  # the next ones do not disturb what the first has begun
+            raise _EndedError
+
+    def check() -> None:
+        if came:  # what it raised was lost, in a destructor of some library
+            raise _EndedError
+
+    # what nohup or a shell has made deaf stays so
+    watched = [n for n in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP) if signal.getsignal(n) != signal.SIG_IGN]
+    before = {number: signal.signal(number, end) for number in watched}
+    try:
+        yield check
+    except _EndedError:
+        complain(f"stopped{_kept(out)}")
+        sys.exit(_INTERRUPTED + came[0])
+    finally:
+        if not came:
+            for number, handler in before.items():
+                signal.signal(number, handler)
+
+
+def _kept(out: str | None) -> str:
+    """Where the work of a sweep that was stopped is."""
+    if out and os.path.isdir(f"{out}.parts"):
+        return f"; what is done is kept in {out}.parts, the same command goes on"
+    return f"; the result is in {out}, the same command draws it" if out and os.path.isfile(out) else ""
+
+
+class _EndedError(BaseException):
+    """A signal has come; no `except Exception` on the way may keep it."""

@@ -1,0 +1,54 @@
+"""A recording in the paper's variables, and what an observer made of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...model.arrays import Array
+from ..laboratory.muscles import MusclePair
+from ..laboratory.recording import Recording
+from ..laboratory.scales import Scales
+from .first_pass import Sizes
+
+
+@dataclass(frozen=True, eq=False)
+class Followed:
+    """One observer's outputs and guards by name, each (n), dimensionless, and how it was run."""
+
+    y: Mapping[str, Array]
+    guards: Mapping[str, Array]
+    gains: Mapping[str, float]
+    substeps: int
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """A recording in the paper's variables: times τ (n), measurements y (n × 3), tendon lengths z (n × 2).
+
+    Of the estimates every so-manieth is kept.
+    """
+
+    recording: Recording
+    pair: MusclePair
+    scales: Scales
+    tau: Array
+    y: Array
+    z: Array
+    gaps: NDArray[np.bool_]
+    sizes: Sizes
+    corrected: bool
+    every: int
+
+    @property
+    def kept(self) -> slice:
+        """The samples whose estimates are kept."""
+        return slice(None, None, self.every)
+
+    @property
+    def period(self) -> float:
+        """The usual time from sample to sample, in τ."""
+        return float(np.median(np.diff(self.tau)))

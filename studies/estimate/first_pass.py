@@ -1,0 +1,163 @@
+"""The first pass over a recording: how noisy, how fast and how large what the observers are to follow is.
+
+The constants and what they were measured on: docs/gains.md.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Callable
+from dataclasses import astuple, dataclass, fields
+
+import casadi as ca
+import numpy as np
+
+from ...codegen.bank import Bank
+from ...codegen.filters import CompiledBank
+from ...model.arrays import Array
+from ...model.block import Block, Symbols, symbols
+from ...observers.high_gain import high_gain
+from .noise import Noise, despiked, noise
+from .substeps import substeps
+from .timescales import smoothed, time_scale, twice_integrated
+
+# ε over the time scale: the width of an observer's window where it averages as much noise as it loses signal
+_C1, _CL, _CL3 = 0.35, 0.27, 0.35
+# smallest ε in sampling periods: what a straight line between samples supports
+_FASTEST = 0.7
+# largest ε: nothing is slower than the muscle itself, and a late disturbance must still be followed
+_SLOWEST_1, _SLOWEST_L = 0.5, 0.3
+# Δ̂ and û are judged after so many ε, at most this part of the samples later
+_SETTLED, _PART = 10.0, 4
+# the largest value is the one that this share does not exceed
+_SHARE = 0.995
+# smallest sizes of Δ_Φ and u, so that gains stay positive
+_LEAST = 0.02
+# variance of Δ̂ from noise of y₁, of a triple pole: (1/2π) ∫ω⁴/(1 + ω²)³ dω = 3/16
+_PASSED = 3 / 16
+# the acceleration, whose noise is not measured, is wild beyond 8 · 2 % of its range
+_SPREAD = 0.02
+# long recordings: so many blocks of so many samples
+_BLOCKS, _BLOCK = 10, 10_000
+# statistics of fewer samples are none
+_FEW = 50
+
+
+@dataclass(frozen=True)
+class Sizes:
+    """What the gains of all observers follow from; lengths, forces and times in the paper's units."""
+
+    sigma_1: float  # noise of y₁
+    sigma_L1: float  # noise of the measured tendon lengths
+    sigma_L2: float
+    eps_1: float  # ε of the chain of x̂₁
+    eps_L: float  # ε of the chains of x̂₃ and x̂₄, of order 2
+    eps_L3: float  # the same, of order 3
+    D: float  # Δ_Φ, root mean square
+    D_max: float
+    U: float  # u₁ and u₂, root mean square
+    U_max: float
+
+
+# of a recording too short for statistics
+_SHORT = Sizes(1e-3, 1e-3, 1e-3, eps_1=0.2, eps_L=0.05, eps_L3=0.1, D=0.1, D_max=0.2, U=0.1, U_max=0.3)
+
+
+def first_pass(y1: Array, z1: Array, z2: Array, acc: Array, T: float) -> Sizes:
+    """The sizes of a recording of finite samples.
+
+    y1: position; z1, z2: tendon lengths Φ_S⁻¹(y₂), Φ_S⁻¹(y₃); acc: (y₃ − y₂)/m; T: sampling period. If samples are not
+    equidistant, T is the median of their distances, and they are taken for equidistant: gains need no more.
+    Of more than 100,000 samples ten blocks are looked at.
+    """
+    signals, T = np.array([y1, z1, z2, acc], dtype=float), float(T)
+    n = signals.shape[1]
+    if n < _FEW:
+        least = {name: max(getattr(_SHORT, name), _FASTEST * T) for name in ("eps_1", "eps_L", "eps_L3")}
+        return Sizes(**{**_SHORT.__dict__, **least})
+    if n <= _BLOCKS * _BLOCK:
+        return _sizes(signals, T)
+    starts = np.linspace(0, n - _BLOCK, _BLOCKS).astype(int)
+    return _merged([_sizes(signals[:, start : start + _BLOCK], T) for start in starts])
+
+
+def _sizes(signals: Array, T: float) -> Sizes:
+    noises = [noise(signal, T) for signal in signals[:3]]
+    spreads = [*(one.sigma for one in noises), _SPREAD * float(np.ptp(signals[3]))]
+    y1, z1, z2, acc = clean = np.array([despiked(*pair) for pair in zip(signals, spreads, strict=True)])
+
+    def bounded(eps: float, slowest: float) -> float:
+        return max(min(eps, slowest), _FASTEST * T)
+
+    # y₁ − ∬(y₃ − y₂)/m: its second derivative is Δ_Φ
+    moved = twice_integrated(acc, T)
+    eps_1 = bounded(_C1 * time_scale(y1 - moved, 3, noises[0], T), _SLOWEST_1)
+    # L_S1 − x₁ and L_S2 + x₁: their derivatives are u₁ and u₂
+    x1 = moved + smoothed(y1 - moved, T, eps_1)
+
+    def chain(c: float, order: int) -> float:
+        first, second = (time_scale(z, order, one, T) for z, one in zip((z1 - x1, z2 + x1), noises[1:], strict=True))
+        return bounded(c * math.sqrt(first * second), _SLOWEST_L)
+
+    eps_L, eps_L3 = chain(_CL, 2), chain(_CL3, 3)
+    sigma_1, sigma_L1, sigma_L2 = (one.sigma for one in noises)
+    return Sizes(sigma_1, sigma_L1, sigma_L2, eps_1, eps_L, eps_L3, *_inputs(clean, T, eps_1, eps_L, noises[0]))
+
+
+def _inputs(signals: Array, T: float, eps_1: float, eps_L: float, noise_1: Noise) -> tuple[float, float, float, float]:
+    """D, D_max, U, U_max as the high gain observer sees them."""
+    gains = {"high_gain.eps_h": eps_1, "high_gain.eps_L": eps_L}
+    compiled = _compiled()
+    block = compiled.bank.observers[0]
+    start = dict(zip(("x1_hat", "x3_hat", "x4_hat"), signals[:3, 0], strict=True))
+    # forces of a mass of 1
+    given = {"m": 1.0, "initial.x2_hat": 0.0, **{f"initial.{name}": value for name, value in start.items()}}
+    given |= {path.partition(".")[2]: value for path, value in gains.items()}
+    numbers = [given.get(name, parameter.default) for name, parameter in block.parameters.items()]
+    n = signals.shape[1]
+    times: Array = np.arange(n, dtype=float) * T
+    found = compiled.follow(block.name, numbers, substeps(block.name, gains, T)).samples(times, signals.T).y
+    settled = found[min(math.ceil(_SETTLED * max(eps_1, eps_L) / T), n // _PART) :]
+    Delta = settled[:, list(block.y).index("Delta_hat")]
+    u = settled[:, [list(block.y).index(name) for name in ("u1_hat", "u2_hat")]]
+    # D² = mean Δ̂² − 3/16 σ₁² n_c T/ε₁⁵
+    passed = _PASSED * noise_1.sigma**2 * noise_1.correlation * T / eps_1**5
+    D_max, U_max = (max(float(np.quantile(np.abs(signal), _SHARE)), _LEAST) for signal in (Delta, u))
+    D = math.sqrt(max(float(np.mean(Delta**2)) - passed, _LEAST**2))
+    U = math.sqrt(max(float(np.mean(u**2)), _LEAST**2))
+    # a few wild values may lift the mean above what nearly all stay below
+    return min(D, D_max), D_max, min(U, U_max), U_max
+
+
+@functools.cache
+def _compiled() -> CompiledBank:
+    """The high gain observer, told tendon lengths and accelerations instead of forces."""
+    u = symbols("z1 z2 acc")
+    front = Block("measured", u=u, y=Symbols(y2=ca.SX(0), y3=u.acc, L_S1=u.z1, L_S2=u.z2))
+    return CompiledBank(Bank(("y1", "z1", "z2", "acc"), front, None, (high_gain(),)))
+
+
+def _merged(blocks: list[Sizes]) -> Sizes:
+    """Of the blocks of a recording: the median noise, the mean logarithm of ε, mean squares, the largest values."""
+
+    def median(values: Array) -> float:
+        return float(np.median(values))
+
+    def geometric(values: Array) -> float:
+        return float(np.exp(np.mean(np.log(values))))
+
+    def square(values: Array) -> float:
+        return float(np.sqrt(np.mean(values**2)))
+
+    def largest(values: Array) -> float:
+        return float(np.max(values))
+
+    how: dict[str, Callable[[Array], float]] = {
+        **dict.fromkeys(("sigma_1", "sigma_L1", "sigma_L2"), median),
+        **dict.fromkeys(("eps_1", "eps_L", "eps_L3"), geometric),
+        **dict.fromkeys(("D", "U"), square),
+        **dict.fromkeys(("D_max", "U_max"), largest),
+    }
+    columns = np.array([astuple(block) for block in blocks]).T
+    return Sizes(*(how[field.name](column) for field, column in zip(fields(Sizes), columns, strict=True)))

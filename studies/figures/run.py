@@ -1,0 +1,185 @@
+"""The paper's data figures, drawn from the Dataset of a run."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.ticker import MaxNLocator
+from numpy.typing import ArrayLike, NDArray
+
+from ...model.arrays import Array
+from ...model.curves.tendon import Tendon, tendon
+from ...model.symbols import MUSCLES, SIGNALS, STATES, hat
+from ...observers import label
+from ..scenarios.scenario import curves_of
+from . import style
+from .page import settings, write_figures
+from .views import Flags, limits, series, slack, start
+
+INPUTS = ("Delta", "u1", "u2")
+ACTIVATIONS = ("a1", "a2")
+
+# more than a printed line can show
+_MOST_POINTS = 6000
+_ROW = 1.25  # inches
+
+
+def figures(dataset: xr.Dataset) -> dict[str, Figure]:
+    """All figures of one run: `phi_s`, `reference`, `states`, `inputs`, `activations`."""
+    with settings():
+        return {
+            "phi_s": phi_s(dataset),
+            "reference": reference(dataset),
+            "states": estimates(dataset, STATES),
+            "inputs": estimates(dataset, INPUTS),
+            "activations": estimates(dataset, ACTIVATIONS),
+        }
+
+
+def save_figures(dataset: xr.Dataset, folder: str | Path, stem: str) -> list[Path]:
+    """Write every figure as `STEM-KEY.png` and `.pdf`; the same run gives the same bytes."""
+    return write_figures(figures(dataset), folder, stem)
+
+
+def phi_s(dataset: xr.Dataset) -> Figure:
+    """Φ_S over the tendon length, its regions marked; a panel per muscle if their tendons differ."""
+    curves = curves_of(json.loads(dataset.attrs["choices"]))
+    parameters = json.loads(dataset.attrs["parameters"])
+    tendons = {muscle: tendon(curves, muscle, parameters) for muscle in MUSCLES}
+    if tendons[MUSCLES[0]] == tendons[MUSCLES[1]]:
+        tendons = {"": tendons[MUSCLES[0]]}
+    figure = Figure(figsize=(style.COLUMN * len(tendons), 2.5), layout="constrained")
+    panels = figure.subplots(1, len(tendons), squeeze=False).flat
+    for axes, (muscle, own) in zip(panels, tendons.items(), strict=True):
+        _tendon_curve(axes, own, muscle[-1:] or "j")
+    return figure
+
+
+def reference(dataset: xr.Dataset) -> Figure:
+    """The reference, if there is one, the measured position and the true one."""
+    figure = Figure(figsize=(style.COLUMN, 2.3), layout="constrained")
+    axes, time = figure.subplots(), _time(dataset)
+    position, measured = series(dataset, "x1"), dataset["y"].sel(sensor="y1")
+    symbol = {name: SIGNALS[name].symbol for name in ("r", "x1", "y1")}
+    if "r" in dataset:
+        _line(axes, time, dataset["r"], style.REFERENCE, symbol["r"])
+    if np.array_equal(position, measured, equal_nan=True):
+        _line(axes, time, position, style.TRUE, f"{symbol['y1']} = {symbol['x1']}")
+    else:
+        _line(axes, time, measured, style.MEASURED, symbol["y1"])
+        _line(axes, time, position, style.TRUE, symbol["x1"])
+    _set_time(axes, 0, time[-1])
+    axes.set_xlabel(SIGNALS["t"].symbol)
+    axes.set_ylabel(symbol["y1"] if "r" not in dataset else f"{symbol['r']}, {symbol['y1']}")
+    figure.legend(loc="outside upper center", ncols=3)
+    return figure
+
+
+def estimates(dataset: xr.Dataset, quantities: Sequence[str]) -> Figure:
+    """True values and estimates, a row per quantity; where the start hides the rest it gets a column of its own."""
+    time, end = _time(dataset), start(dataset)
+    scales = {quantity: limits(dataset, quantity, end) for quantity in quantities}
+    split = any(len(scale) > 1 for scale in scales.values())
+    spans = [(0.0, end), (end, time[-1])] if split else [(0.0, time[-1])]
+    figure = Figure(figsize=(style.PAGE, 0.7 + _ROW * len(quantities)), layout="constrained")
+    rows = figure.subplots(len(quantities), len(spans), sharex="col", squeeze=False, width_ratios=[1, 2][-len(spans) :])
+    for quantity, row in zip(quantities, rows, strict=True):
+        for axes, span, scale in zip(row, spans, scales[quantity] * len(spans), strict=False):
+            axes.set_ylim(scale)
+            _set_time(axes, *span)
+            _panel(axes, dataset, quantity)
+        row[0].set_ylabel(SIGNALS[quantity].symbol, rotation=0, ha="right", va="center")
+    for axes in rows[-1]:
+        axes.set_xlabel(SIGNALS["t"].symbol)
+    _legend(figure, dataset, any(slack(dataset, quantity).any() for quantity in quantities))
+    return figure
+
+
+def _panel(axes: Axes, dataset: xr.Dataset, quantity: str) -> None:
+    """The true value, the estimates and the slack of one quantity within the limits of the axes."""
+    time, loose = _time(dataset), slack(dataset, quantity)
+    for first, after in _episodes(loose):
+        axes.axvspan(time[first], time[min(after, len(time) - 1)], **style.SLACK)
+    true = np.asarray(series(dataset, quantity))
+    # a slack tendon leaves the activation undetermined, 0/0
+    _line(axes, time, np.where(loose, np.nan, true) if quantity in ACTIVATIONS else true, style.TRUE, "true")
+    for name, look in style.observer_styles(dataset["observer"].values.tolist()).items():
+        estimate = np.asarray(series(dataset, hat(quantity)).sel(observer=name))
+        _line(axes, time, estimate, style.thinned(look, _travel(axes, time, estimate)), name)
+
+
+def _travel(axes: Axes, time: Array, values: Array) -> float:
+    """How far the line moves up and down in the axes, in their heights."""
+    (begin, end), (low, high) = axes.get_xlim(), axes.get_ylim()
+    shown = np.clip(values[(time >= begin) & (time <= end)], low, high)
+    return float(np.nansum(np.abs(np.diff(shown))) / (high - low))
+
+
+def _name(dataset: xr.Dataset, observer: str) -> str:
+    """The observer in the legend, with the time at which it failed."""
+    lost = np.asarray(~np.isfinite(dataset["x_hat"].sel(observer=observer))).any(axis=1)
+    name = label(observer)
+    return rf"{name} (fails at $\tau$ = {_time(dataset)[np.argmax(lost)]:g})" if lost.any() else name
+
+
+def _legend(figure: Figure, dataset: xr.Dataset, any_slack: bool) -> None:
+    """One legend above all panels, with the lines as they are before `thinned`."""
+    looks = style.observer_styles(dataset["observer"].values.tolist())
+    handles: list[Artist] = [Line2D([], [], label="true", **style.TRUE)]
+    handles += [Line2D([], [], label=_name(dataset, name), **look) for name, look in looks.items()]
+    handles += [Patch(label="tendon slack", **style.SLACK)] if any_slack else []
+    figure.legend(handles=handles, loc="outside upper center", ncols=min(len(handles), 6))
+
+
+def _episodes(flags: Flags) -> list[tuple[int, int]]:
+    """Where each run of True begins, and where the next False is."""
+    edges = np.flatnonzero(np.diff(flags.astype(int), prepend=0, append=0))
+    return [(int(first), int(after)) for first, after in edges.reshape(-1, 2)]
+
+
+def _line(axes: Axes, time: Array, signal: ArrayLike, look: style.Style, label: str) -> None:
+    values = np.asarray(signal)
+    keep = _envelope(values)
+    axes.plot(time[keep], values[keep], label=label, **look)
+
+
+def _envelope(values: Array) -> NDArray[np.intp]:
+    """Which points to draw: all, or of a very long line the least and the largest of each stretch."""
+    if len(values) <= _MOST_POINTS:
+        return np.arange(len(values))
+    stretches = np.array_split(np.arange(len(values)), _MOST_POINTS // 2)
+    return np.unique([part[pick(values[part])] for part in stretches for pick in (np.argmin, np.argmax)])
+
+
+def _set_time(axes: Axes, begin: float, end: float) -> None:
+    if end > begin:
+        axes.set_xlim(begin, end)
+    axes.xaxis.set_major_locator(MaxNLocator(nbins=6, steps=[1, 2, 5, 10]))
+
+
+def _time(dataset: xr.Dataset) -> Array:
+    return np.asarray(dataset["time"])
+
+
+def _tendon_curve(axes: Axes, tendon: Tendon, j: str) -> None:
+    """Φ_S of one tendon between half a toe below slack and as far into the linear region."""
+    begin, end = tendon.edges
+    edges = (begin - (end - begin) / 2, begin, end, end + (end - begin) / 2)
+    lengths = np.linspace(edges[0], edges[-1], 801)
+    axes.plot(lengths, tendon.force(lengths), color="black", linewidth=1.2)
+    regions = (("slack", "0.88"), ("toe", "0.94"), ("linear", "1"))
+    for (name, shade), low, high in zip(regions, edges[:-1], edges[1:], strict=True):
+        axes.axvspan(low, high, facecolor=shade, zorder=0)
+        axes.text((low + high) / 2, 0.95, name, transform=axes.get_xaxis_transform(), ha="center", va="top")
+    axes.set_xlim(edges[0], edges[-1])
+    axes.set_xlabel(rf"$L_{{S{j}}}$")
+    axes.set_ylabel(rf"$\Phi_{{S{j}}}$")

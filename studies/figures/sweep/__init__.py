@@ -1,0 +1,1 @@
+"""The Dataset of a sweep as figures."""

@@ -1,0 +1,1 @@
+"""Words and bytes of others: quoted, read, written whole, or refused with a sentence."""

@@ -1,0 +1,23 @@
+"""What a user may have to be told: a sentence each, no traceback."""
+
+from __future__ import annotations
+
+
+class ScenarioError(ValueError):
+    """What is wrong with a scenario, a path or a value, in one sentence."""
+
+
+class RecordingError(ValueError):
+    """A recording or a mapping that cannot be read; the sentence says what is wrong, and where."""
+
+
+class TomlError(ValueError):
+    """A file that cannot be read as TOML; the sentence names it and says why."""
+
+
+class ResultError(ValueError):
+    """A result that cannot be written or read; the sentence says which and why."""
+
+
+class ClusterError(RuntimeError):
+    """A cluster cannot be used or was lost; the message says what to do."""

@@ -1,0 +1,55 @@
+"""Results as NetCDF with a seal behind it: what is read back is what was written."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+from pathlib import Path
+
+import xarray as xr
+
+from .errors import ResultError
+from .reading import cause, read_whole
+from .writing import write_whole
+
+# bytes of a result, compressed or not; a million recorded points are 1 GB, 10⁸ runs with one score 4 GB
+LARGEST_RESULT = 5_000_000_000
+_SEAL_SIZE = 40
+
+
+def save_netcdf(dataset: xr.Dataset, path: Path, folder: Path | None = None) -> None:
+    """A Dataset as NetCDF, every variable compressed, with a seal behind it; `folder` as for `write_whole`."""
+    write_whole(path, _netcdf(dataset), folder)
+
+
+def load(path: Path) -> xr.Dataset:
+    """A result that `save` or `save_netcdf` has written. ResultError if it is none, or damaged."""
+    try:
+        content = unsealed(read_whole(path, LARGEST_RESULT))
+    except (OSError, ValueError) as error:
+        raise ResultError(f"{path} cannot be read: {cause(error)}") from error
+    if content is None:
+        raise ResultError(f"{path} cannot be read: it is no result of hillobs, or it is damaged")
+    with xr.open_dataset(io.BytesIO(content), engine="h5netcdf") as file:
+        return file.load()
+
+
+def sealed(content: bytes) -> bytes:
+    """`content` with a hash behind it."""
+    return content + b"hillobs " + hashlib.sha256(content).digest()
+
+
+def unsealed(raw: bytes) -> bytes | None:
+    """What was sealed; None if it is something else, or damaged."""
+    content = raw[:-_SEAL_SIZE]
+    return content if raw == sealed(content) else None
+
+
+def _netcdf(dataset: xr.Dataset) -> bytes:
+    """The file in memory, every variable compressed; readers of HDF5 pass over the seal behind it."""
+    encoding = {
+        str(name): {"zlib": True, "complevel": 1, **({"dtype": "S1"} if variable.dtype.kind == "U" else {})}
+        for name, variable in dataset.variables.items()
+    }
+    # before HDF5 sees it, which reads damage as other numbers or without end, the seal is checked
+    return sealed(bytes(dataset.to_netcdf(engine="h5netcdf", encoding=encoding)))

@@ -1,0 +1,1 @@
+"""What a laboratory hands over: recordings and muscles, read strictly, in SI."""

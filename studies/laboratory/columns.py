@@ -1,0 +1,182 @@
+"""The columns of a recording: what each is called, what it measures, and which column of a file it is."""
+
+from __future__ import annotations
+
+import difflib
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from ..files.errors import RecordingError
+from ..files.quote import short, shown
+from .units import SI, UNITS, Unit, find_unit, unit_of
+
+# what an observer is given
+INPUTS = ("position", "force_1", "force_2")
+
+# name → what it measures; positions are those of the mass, forces those of the tendons
+QUANTITIES: Mapping[str, str] = {
+    "time": "time",
+    "position": "length",
+    "force_1": "force",
+    "force_2": "force",
+    "velocity": "velocity",
+    "acceleration": "acceleration",
+    "tendon_length_1": "length",
+    "tendon_length_2": "length",
+    "fibre_length_1": "length",
+    "fibre_length_2": "length",
+    "fibre_velocity_1": "velocity",
+    "fibre_velocity_2": "velocity",
+    "activation_1": "number",
+    "activation_2": "number",
+    "excitation_1": "number",
+    "excitation_2": "number",
+    "disturbance": "force",
+    # where both are there, these are the inputs and the plain ones the truth
+    "position_measured": "length",
+    "force_1_measured": "force",
+    "force_2_measured": "force",
+}
+
+# the names that OpenSim gives the states and outputs of a model with a slider and two muscles
+OPENSIM: Mapping[str, str] = {
+    "time": "time",
+    "position": "/jointset/slider/position/value",
+    "velocity": "/jointset/slider/position/speed",
+    "acceleration": "/jointset/slider/position|acceleration",
+    **{
+        f"{ours}_{j}": f"/forceset/m{j}{theirs}"
+        for ours, theirs in (
+            ("activation", "/activation"),
+            ("fibre_length", "/fiber_length"),
+            ("fibre_velocity", "|fiber_velocity"),
+            ("tendon_length", "|tendon_length"),
+            ("force", "|tendon_force"),
+            ("excitation", "|excitation"),
+        )
+        for j in (1, 2)
+    },
+    "disturbance": "/forceset/disturbance|actuation",
+}
+_OURS = {theirs: ours for ours, theirs in OPENSIM.items()}
+
+_BRACKET = re.compile(r"(?P<name>.*?)\s*[\[(](?P<unit>[^\[\]()]*)[\])]")
+
+
+@dataclass(frozen=True)
+class Column:
+    """A known column, where in the file it is, and its unit there."""
+
+    name: str
+    label: str
+    index: int
+    unit: Unit
+
+
+def name_and_unit(label: str) -> tuple[str, str]:
+    """Name and unit of a label such as `position [mm]`, `Force_1 (N)`, `time_s`; the unit may be empty."""
+    label = label.strip()
+    if known := _known(label):
+        return known, ""
+    if match := _BRACKET.fullmatch(label):
+        return _known(match["name"]) or match["name"], match["unit"].strip() or "1"
+    head, _, tail = label.rpartition("_")
+    if (known := _known(head)) and _suffix(label, QUANTITIES[known]):
+        return known, tail
+    return label, ""
+
+
+def choose(labels: Sequence[str], units: Sequence[str], mapping: Mapping[str, str]) -> list[Column]:
+    """The columns of a file that are known by name or by `mapping` (name → label, or `label[unit]`), time first.
+
+    labels: the names of all columns. units: a unit for each from elsewhere, empty where there is none.
+    RecordingError if time, the position or a force is missing, a unit is wrong, or a name is there twice.
+    """
+    for name in mapping:
+        if name not in QUANTITIES:
+            near = difflib.get_close_matches(short(name), QUANTITIES, n=3) or ["time", *INPUTS]
+            raise RecordingError(f"{shown(name)} is no column of a recording; the nearest are {', '.join(near)}")
+    plain = [name_and_unit(label) for label in labels]
+    found: dict[str, Column] = {}
+    for name in sorted(QUANTITIES, key=lambda name: name not in mapping):
+        asked, taken = "", {column.index: column.name for column in found.values()}
+        if name in mapping:
+            index, asked = _mapped(name, mapping[name], labels, plain)
+            if index in taken:
+                raise RecordingError(f"column {shown(labels[index])} is mapped to both {taken[index]} and {name}")
+        else:
+            places = [i for i, (known, _) in enumerate(plain) if known == name and i not in taken]
+            if len(places) > 1:
+                raise RecordingError(f"{name} is there twice, in columns {_two(places)}; say which by a mapping")
+            if not places:
+                continue
+            index = places[0]
+        given = (asked, _written_unit(labels[index], plain[index], asked, QUANTITIES[name]), units[index])
+        found[name] = Column(name, labels[index].strip(), index, _agreed(given, name, labels[index]))
+    for name in ("time", *INPUTS):
+        if name not in found and f"{name}_measured" not in found:
+            taken_by = [column.name for column in found.values() if plain[column.index][0] == name]
+            why = f"{shown(name)} is mapped to {taken_by[0]}" if taken_by else _there(name, labels)
+            raise RecordingError(f"there is no column {name}; {why}")
+    return [found[name] for name in QUANTITIES if name in found]
+
+
+def _known(text: str) -> str:
+    """The name in `QUANTITIES` that a text stands for, in any case, with American spelling; or an empty string."""
+    plain = text.strip()
+    plain = _OURS.get(plain, plain).lower().replace(" ", "_").replace("fiber", "fibre")
+    return plain if plain in QUANTITIES else ""
+
+
+def _mapped(name: str, target: str, labels: Sequence[str], plain: Sequence[tuple[str, str]]) -> tuple[int, str]:
+    """The place of a mapped column, and the unit asked for."""
+    wanted, asked = target.strip(), ""
+    every = [label.strip() for label in labels]
+    if wanted not in every and (match := _BRACKET.fullmatch(wanted)):
+        wanted, asked = match["name"], match["unit"].strip() or "1"
+    places = [i for i, label in enumerate(every) if label == wanted]
+    places = places or [i for i, (known, _) in enumerate(plain) if known == wanted]
+    if not places:
+        raise RecordingError(f"{name} is mapped to {shown(wanted)}, which is not there; {_there(wanted, labels)}")
+    if len(places) > 1:
+        raise RecordingError(f"{name} is mapped to {shown(wanted)}, which is there twice, in columns {_two(places)}")
+    return places[0], asked
+
+
+def _written_unit(label: str, plain: tuple[str, str], asked: str, quantity: str) -> str:
+    """The unit in a label. `Force (left)` has none, if the mapping says which one is meant."""
+    unit = plain[1] or _suffix(label.strip(), quantity)
+    return "" if asked and not find_unit(unit) else unit
+
+
+def _suffix(label: str, quantity: str) -> str:
+    """`mm` of `block_x_mm`, if that is a unit of the quantity or, to be refused, of an angle."""
+    tail = label.rpartition("_")[2]
+    return tail if tail in UNITS and UNITS[tail].quantity in (quantity, "angle") and tail.isalpha() else ""
+
+
+def _agreed(given: Sequence[str], name: str, label: str) -> Unit:
+    where = f"column {shown(label.strip())}"
+    quantity = QUANTITIES[name]
+    # a length of unit 1 is one without a unit, as our own dimensionless results have it
+    told = [text for text in given if text and (quantity == "number" or find_unit(text) != UNITS["1"])]
+    every = [unit_of(text, quantity, where) for text in told]
+    for one in every[1:]:
+        if one != every[0]:
+            raise RecordingError(f"{where}: its unit is {every[0].symbol} in one place and {one.symbol} in another")
+    return every[0] if every else SI[quantity]
+
+
+def _two(places: Sequence[int]) -> str:
+    return f"{places[0] + 1} and {places[1] + 1}"
+
+
+def _there(wanted: str, labels: Sequence[str]) -> str:
+    """What is there instead, the nearest names first."""
+    every = [label.strip() for label in labels if label.strip()]
+    near = difflib.get_close_matches(short(wanted), [short(label) for label in every[:200]], n=3, cutoff=0.5)
+    if near:
+        return f"the nearest are {', '.join(map(shown, near))}"
+    more = f" and {len(every) - 8} more" if len(every) > 8 else ""
+    return f"there are {', '.join(map(shown, every[:8]))}{more}" if every else "no column has a name"

@@ -1,0 +1,78 @@
+"""Curves of a user: a CSV file with the columns curve, x, y, checked row by row."""
+
+from __future__ import annotations
+
+import difflib
+from pathlib import Path
+
+from ...model.curves.curve_set import CurveSet
+from ...model.curves.fit import TableError
+from ...model.curves.tabulated import MOST_POINTS, TABLES, Points, Tables, tabulated
+from ..files.errors import RecordingError, ScenarioError
+from ..files.numbers import NUMBER
+from ..files.quote import short, shown
+from ..files.reading import cause, read_whole
+from .header import cells
+from .lines import text_of
+
+SUFFIX = ".csv"
+_COLUMNS = ["curve", "x", "y"]
+_LARGEST_FILE = 4_000_000
+
+
+def read_curves(path: Path) -> CurveSet:
+    """The curve set of a file: columns curve, x, y and four curves, docs/curves.md. Equal points give the same set.
+
+    ScenarioError names the file, and the row or curve that is wrong.
+    """
+    try:
+        raw = read_whole(path, _LARGEST_FILE)
+    except (OSError, ValueError) as error:
+        raise ScenarioError(f"{path}: cannot be read: {cause(error)}") from error
+    try:
+        return tabulated(_tables(text_of(raw.removeprefix(b"\xef\xbb\xbf"))))
+    except (RecordingError, TableError) as error:
+        raise ScenarioError(f"{path}: {error}") from error
+
+
+def _tables(text: str) -> Tables:
+    points: dict[str, list[tuple[float, float]]] = {name: [] for name in TABLES}
+    delimiter = ""
+    for row, line in enumerate(text.splitlines(), start=1):
+        if not line.strip() or line.lstrip().startswith("#"):
+            continue
+        if not delimiter:
+            delimiter = next((mark for mark in "\t;" if mark in line), ",")
+            if (found := _cells(line, delimiter, row)) != _COLUMNS:
+                raise RecordingError(f"row {row}: its columns must be curve, x, y, not {shown(', '.join(found))}")
+            continue
+        name, point = _point(_cells(line, delimiter, row), row)
+        if len(points[name]) == MOST_POINTS:
+            raise RecordingError(f"row {row}: {name} has more than {MOST_POINTS:,} points")
+        points[name].append(point)
+    if missing := [name for name, found in points.items() if not found]:
+        raise RecordingError(f"has no points of {', '.join(missing)}")
+    tables: dict[str, Points] = {name: tuple(found) for name, found in points.items()}
+    return Tables(**tables)
+
+
+def _point(row: list[str], at: int) -> tuple[str, tuple[float, float]]:
+    if len(row) != len(_COLUMNS):
+        raise RecordingError(f"row {at} has {len(row)} cells for the columns curve, x, y")
+    name, *numbers = row
+    if name not in TABLES:
+        near = difflib.get_close_matches(short(name), TABLES, n=1)
+        hint = f"the nearest is {near[0]}" if near else f"there are {', '.join(TABLES)}"
+        raise RecordingError(f"row {at}: unknown curve {shown(name)}; {hint}")
+    for column, text in zip(_COLUMNS[1:], numbers, strict=True):
+        if not NUMBER.fullmatch(text):
+            raise RecordingError(f"row {at}, column {column}: {shown(text)} is no number")
+    x, y = map(float, numbers)
+    return name, (x, y)
+
+
+def _cells(line: str, delimiter: str, row: int) -> list[str]:
+    try:
+        return cells(line, delimiter)
+    except RecordingError as error:
+        raise RecordingError(f"row {row}: {error}") from error

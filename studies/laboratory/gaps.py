@@ -1,0 +1,78 @@
+"""What an observer cannot be given: short gaps are bridged, long ones and what no muscle can do are refused."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...model.arrays import Array
+from ..files.errors import RecordingError
+from .columns import INPUTS
+from .muscles import MusclePair
+from .recording import Recording
+
+# seconds; a muscle does not do much in it
+LONGEST_GAP = 0.1
+# part of F_max that noise may push a force below 0; De Groote and Fregly's tendon gives no less than −0.2
+_LOWEST_FORCE = -0.15
+# F_max that no muscle reaches, not even while it is stretched (less than 2): the unit or the muscle is another
+_HIGHEST_FORCE = 10.0
+# periods; where samples are rare anyway a step may be longer than a gap
+_LONGEST_STEP = 3.0
+
+
+def bridged(recording: Recording) -> tuple[Array, NDArray[np.bool_]]:
+    """The inputs (n × 3), gaps bridged in straight lines, and where. RecordingError names a gap that is too long."""
+    inputs = np.stack([getattr(recording, name) for name in INPUTS], axis=1)
+    missing = np.isnan(inputs)
+    for i, name in enumerate(INPUTS):
+        known = ~missing[:, i]
+        if known.all():
+            continue
+        if not known[0] or not known[-1]:
+            row = recording.rows[0 if not known[0] else -1]
+            raise RecordingError(f"{recording.source}: {name} has no value in row {row}, an end of the recording")
+        _refuse_long_gaps(recording, name, known)
+        inputs[~known, i] = np.interp(recording.time[~known], recording.time[known], inputs[known, i])
+    return inputs, missing.any(axis=1)
+
+
+def refuse_impossible(recording: Recording, pair: MusclePair) -> None:
+    """RecordingError if the mass is beyond an origin, or a force is far below 0 or above what muscles can do."""
+    between = f"the mass is between 0 and C = {pair.C:g} m"
+    _refuse(recording, "position", "m", recording.position < 0, between)
+    _refuse(recording, "position", "m", recording.position > pair.C, f"{between}; is it in another unit?")
+    for name, muscle in (("force_1", pair.muscle1), ("force_2", pair.muscle2)):
+        part = getattr(recording, name) / muscle.F_max
+        _refuse(recording, name, "N", part < _LOWEST_FORCE, "a tendon only pulls, so forces are positive")
+        _refuse(recording, name, "N", part > _HIGHEST_FORCE, f"F_max is {muscle.F_max:g} N; is it in another unit?")
+
+
+def refuse_long_steps(recording: Recording) -> None:
+    """RecordingError if rows are missing for longer than a gap may be."""
+    steps = np.diff(recording.time)
+    longest = max(LONGEST_GAP, _LONGEST_STEP * float(np.median(steps)))
+    if steps.max() > longest:
+        before = int(steps.argmax())
+        raise RecordingError(
+            f"{recording.source}: there is no sample between rows {recording.rows[before]} and "
+            f"{recording.rows[before + 1]}, {steps[before]:.3g} s; gaps of up to {longest:.3g} s are bridged"
+        )
+
+
+def _refuse(recording: Recording, name: str, unit: str, wrong: NDArray[np.bool_], why: str) -> None:
+    if wrong.any():
+        at = int(wrong.argmax())
+        value = float(getattr(recording, name)[at])
+        raise RecordingError(f"{recording.source}: row {recording.rows[at]}: {name} = {value:g} {unit}; {why}")
+
+
+def _refuse_long_gaps(recording: Recording, name: str, known: NDArray[np.bool_]) -> None:
+    places = np.flatnonzero(known)
+    lengths = np.where(np.diff(places) > 1, np.diff(recording.time[places]), 0.0)
+    if lengths.max() > LONGEST_GAP:
+        before, after = places[lengths.argmax()], places[lengths.argmax() + 1]
+        raise RecordingError(
+            f"{recording.source}: {name} has no value in rows {recording.rows[before] + 1} to "
+            f"{recording.rows[after] - 1}, {lengths.max():.3g} s; gaps of up to {LONGEST_GAP:g} s are bridged"
+        )

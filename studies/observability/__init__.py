@@ -1,0 +1,1 @@
+"""Which coordinates some sensors determine."""

@@ -1,0 +1,76 @@
+"""How well the coordinates can be known: the Fisher information of noisy samples along the motion."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Mapping, Sequence
+
+import casadi as ca
+import numpy as np
+
+from ...codegen.stepper import functions
+from ...model.arrays import Array
+from ...model.block import Block
+
+# information below this part of the largest is rounding, and so is a coordinate that has this share of it
+_ROUNDING, _SHARE = 1e-13, 1e-6
+
+
+def deviations(
+    block: Block,
+    start: tuple[Sequence[float], Sequence[float]],
+    p: Sequence[float],
+    noise: Mapping[str, float],
+    sizes: Mapping[str, float],
+    period: float,
+    window: float = 1.0,
+) -> dict[str, float]:
+    """Smallest standard deviation with which each coordinate at the start of `window` can be known from it.
+
+    Cramér–Rao bound for the motion from `start` (states, known inputs) with constant inputs: the outputs in `noise`
+    (name → half-width of its uniform noise) are sampled once per `period` with independent errors of that variance.
+    No prior knowledge; inf where the samples hold no information.
+    """
+    x, u = (np.array(values, dtype=float) for values in start)
+    step, outputs = _linearised(block, tuple(noise))
+    # R = σ²,  σ = half-width/√3 of the uniform noise
+    weights = 3 / np.array(list(noise.values())) ** 2
+    n = len(x)
+    information, transition = np.zeros((n, n)), np.eye(n)
+    for _ in range(max(1, round(window / period))):
+        C = np.array(outputs(x, u, p), dtype=float) @ transition
+        # I = Σ Φₖᵀ Cᵀ R⁻¹ C Φₖ
+        information += C.T @ (weights[:, None] * C)
+        after, A = step(period, x, u, p)
+        x, transition = np.array(after, dtype=float).ravel(), np.array(A, dtype=float) @ transition
+    return _bound(information, sizes)
+
+
+def _bound(information: Array, sizes: Mapping[str, float]) -> dict[str, float]:
+    scales = np.array(list(sizes.values()))
+    values, vectors = np.linalg.eigh(information * np.outer(scales, scales))
+    known = values > _ROUNDING * values[-1]
+    spread = (vectors[:, known] ** 2 / values[known]).sum(axis=1)
+    blind = (vectors[:, ~known] ** 2).sum(axis=1) > _SHARE
+    return {
+        name: float("inf") if lost else float(size * np.sqrt(s))
+        for name, size, s, lost in zip(sizes, scales, spread, blind, strict=True)
+    }
+
+
+@functools.cache
+def _linearised(block: Block, outputs: tuple[str, ...]) -> tuple[ca.Function, ca.Function]:
+    """One step and its derivative, and the derivative of the outputs, with respect to the coordinates."""
+    step = functions(block, (), tuple(block.u))["step"]
+    h, x, u, p = (ca.SX.sym("h"), *(ca.SX.sym(name, len(group)) for name, group in _groups(block)))
+    after, _ = step(0, h, x, p, ca.SX(0, 1), ca.repmat(u, 1, 4))
+    old = [*block.x.values(), *block.u.values(), *block.p.values()]
+    y = ca.substitute(ca.vertcat(*(block.y[name] for name in outputs)), ca.vertcat(*old), ca.vertcat(x, u, p))
+    return (
+        ca.Function("step", [h, x, u, p], [after, ca.jacobian(after, x)]),
+        ca.Function("outputs", [x, u, p], [ca.jacobian(y, x)]),
+    )
+
+
+def _groups(block: Block) -> list[tuple[str, Mapping[str, ca.SX]]]:
+    return [("x", block.x), ("u", block.u), ("p", block.p)]

@@ -1,0 +1,72 @@
+"""The observability matrix at many points, as compiled C."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Mapping
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from ...codegen.library import Library, compile_functions
+from ...model.arrays import Array
+from ...observers.observability import TOLERANCE, decoupling_matrix, ranks_of
+from ..files.errors import ScenarioError
+from .question import SENSORS, UNKNOWNS, Question
+
+_CHUNK = 4000
+
+
+def matrices(question: Question, points: Mapping[str, Array], progress: Callable[[float], None]) -> Array:
+    """O at many points as compiled C: (points × rows × coordinates)."""
+    library = _compiled(question.matrix)
+    names = [*question.block.x, *question.block.u]
+    columns = np.stack(np.broadcast_arrays(*(points[name] for name in names)), axis=1)
+    n = len(question.block.x)
+    chunks = []
+    for begin in range(0, len(columns), _CHUNK):
+        rows = columns[begin : begin + _CHUNK]
+        (flat,) = library.call("observability", rows[:, :n], rows[:, n:], question.p)
+        chunks.append(flat.reshape(len(rows), n, -1).transpose(0, 2, 1))
+        progress(min(1.0, (begin + _CHUNK) / len(columns)))
+    return np.concatenate(chunks)
+
+
+@functools.cache
+def _compiled(matrix: ca.Function) -> Library:
+    return compile_functions([matrix])
+
+
+def rank_and_conditioning(
+    question: Question, stack: Array, tolerance: float = TOLERANCE
+) -> tuple[NDArray[np.int64], Array]:
+    """The rank of each O, and its smallest singular value with columns × typical size and rows as they are.
+
+    The second fades continuously where the first jumps: it is how much the outputs and their derivatives change
+    when the worst combination of coordinates changes by its typical size.
+    """
+    sizes = [question.sizes[name] for name in question.coordinates]
+    values = np.linalg.svd(np.nan_to_num(stack * sizes), compute_uv=False)
+    return ranks_of(stack, sizes, len(question.sensors), tolerance), np.asarray(values[:, -1])
+
+
+def determinant(question: Question, points: Mapping[str, Array]) -> Array:
+    """|det| of the map from (x, Δ, u) to the fewest output derivatives: Φ′²_S1 Φ′²_S2 for the paper's sensors."""
+    outputs = [SENSORS[name].output for name in question.sensors]
+    function = decoupling_matrix(question.block, outputs, UNKNOWNS[question.unknown])
+    if function.size1_out(0) != function.size2_out(0):
+        raise ScenarioError(
+            "the determinant needs as many output derivatives as coordinates: x1,F1,F2 with unknown u or a"
+        )
+    names = [*question.block.x, *question.block.u]
+    columns = np.stack(np.broadcast_arrays(*(points[name] for name in names)), axis=1)
+    n = len(question.block.x)
+    (flat,) = compile_functions([function]).call("decoupling", columns[:, :n], columns[:, n:], question.p)
+    return np.asarray(np.abs(np.linalg.det(flat.reshape(len(columns), n, n))))
+
+
+def force_and_slope(question: Question, muscle: str, lengths: Array) -> tuple[Array, Array]:
+    """Φ_S and Φ′_S of a muscle's tendon at the lengths given."""
+    own = question.tendon(muscle)
+    return own.force(lengths), own.slope(lengths)

@@ -1,0 +1,55 @@
+"""The paper's closed loop with every registered observer, its table of paths, and its library."""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import replace
+
+from ...codegen.bank import Bank
+from ...codegen.loop import Loop
+from ...codegen.stepper import STAGES
+from ...model.block import Block
+from ...model.closed_loop import closed_loop
+from ...model.curves import NGUYEN2019, Curves
+from ...model.pair import DRIVES
+from ...model.pulses import PULSES
+from ...model.sensors import NOISE_CHANNELS, sensors
+from ...model.symbols import ACTIVATIONS, MEASURED, QUANTITIES
+from ...observers import OBSERVERS, baseline_estimator, estimator
+from ...observers.score import MEASURES, score
+from ...observers.tendons import tendons, tendons_of_a_step
+from .paths import Table, table
+
+# outputs of the truth that no one looks at while activations are not scored
+_UNSEEN = {*ACTIVATIONS, "r"}
+
+
+@functools.lru_cache(maxsize=16)
+def paper_loop(
+    drive: str,
+    curves: Curves,
+    custom: tuple[Block, ...] = (),
+    controller: Block | None = None,
+    quantities: tuple[str, ...] = QUANTITIES,
+    measures: tuple[str, ...] = MEASURES,
+) -> Loop:
+    """The closed loop with all registered observers, the baseline and `custom` ones; only what is named is scored."""
+    activations = not ACTIVATIONS.isdisjoint(quantities)
+    own = [baseline_estimator(curves, activations)]
+    own += [estimator(block, curves, activations) for block in (*(o.build() for o in OBSERVERS.values()), *custom)]
+    truth = closed_loop(drive, curves, controller)
+    return Loop(
+        truth=truth if activations else replace(truth, y=truth.y.only(name for name in truth.y if name not in _UNSEEN)),
+        sensors=sensors(),
+        bank=Bank(MEASURED, tendons(curves), tendons_of_a_step(STAGES, curves), tuple(own)),
+        score=score(quantities, measures),
+        noise=NOISE_CHANNELS,
+        pulses=PULSES,
+    )
+
+
+@functools.lru_cache(maxsize=16)
+def full_table(custom: tuple[Block, ...] = (), curves: Curves = NGUYEN2019) -> Table:
+    """The table of all paths, whatever drives the plant."""
+    loops = [paper_loop(drive, curves, custom) for drive in DRIVES]
+    return table([*(loop.truth for loop in loops), loops[0].sensors, *loops[0].observers, loops[0].score])

@@ -1,0 +1,122 @@
+"""The table of all numbers of a scenario: path, parameter, and which Block takes it."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from ...model.block import Block, Parameter
+from ...model.curves import Curves, by_muscle
+from ...model.pulses import PULSES
+from ...model.symbols import MUSCLES
+from ..files.errors import ScenarioError
+from ..files.quote import short, shown
+
+_CHOSEN = "chosen, spec §8"
+
+# numbers of the run itself; everything else is a parameter of a Block
+RUN: Mapping[str, Parameter] = {
+    "duration": Parameter(20.0, "length of the run", "paper, §V", above=0),
+    "step": Parameter(5e-4, "integration step of RK4; divides noise.period and record", _CHOSEN, above=0),
+    "record": Parameter(0.01, "time between recorded points", _CHOSEN, above=0),
+    "score.start": Parameter(2.0, "errors count from here on", "spec §9", least=0),
+    "noise.period": Parameter(
+        0.005, "T_s, how long a noise sample is held; 0 switches the noise off", "paper", least=0
+    ),
+    **{f"{name}.start": Parameter(0.0, f"{name} begins", _CHOSEN, least=0) for name in PULSES},
+    **{f"{name}.stop": Parameter(0.0, f"{name} ends", _CHOSEN, least=0) for name in PULSES},
+}
+
+# `muscle.k` is both `muscle1.k` and `muscle2.k`
+GROUPS = {"muscle": MUSCLES, "pulse": PULSES}
+
+
+@dataclass(frozen=True)
+class Table:
+    """All paths of a scenario, for some Blocks; the values of a Block are in the order of its `p`."""
+
+    blocks: tuple[Block, ...]
+    paths: Mapping[str, Parameter]
+
+    def expand(self, path: str) -> list[str]:
+        """The paths that `path` stands for; ScenarioError with the nearest valid names if there is none."""
+        if path in self.paths:
+            return [path]
+        parts = path.split(".")
+        for group, members in GROUPS.items():
+            if group in parts:
+                at = parts.index(group)
+                found = [".".join([*parts[:at], member, *parts[at + 1 :]]) for member in members]
+                if all(name in self.paths for name in found):
+                    return found
+        raise ScenarioError(f"unknown path {shown(path)}; the nearest are {', '.join(self.nearest(path))}")
+
+    def spread(self, values: Mapping[str, float]) -> dict[str, float]:
+        """The values by the paths that theirs stand for; `muscle1.k` wins over `muscle.k`."""
+        result: dict[str, float] = {}
+        for path in sorted(values, key=lambda path: -len(self.expand(path))):
+            result |= dict.fromkeys(self.expand(path), values[path])
+        return result
+
+    def is_run(self, path: str) -> bool:
+        """Whether it is a number of the run itself, which decides the time grid."""
+        return self.expand(path)[0] in RUN
+
+    def nearest(self, path: str) -> list[str]:
+        """Paths that look like `path`, best first; if none does, those of the same table."""
+        every = [*self.paths, *self.groups()]
+        close = difflib.get_close_matches(short(path), every, n=3)
+        last = path.rpartition(".")[2]
+        return close or [name for name in every if name.rpartition(".")[2] == last][:3] or list(RUN)
+
+    def is_section(self, path: str) -> bool:
+        """Whether there are paths below `path`, such as those of `[plant]`."""
+        return any(known.startswith(f"{path}.") for known in (*self.paths, *self.groups()))
+
+    def groups(self) -> dict[str, Parameter]:
+        """The paths that set several numbers at once, and what they set."""
+        return {
+            path.replace(members[0], group, 1): parameter
+            for group, members in GROUPS.items()
+            for path, parameter in self.paths.items()
+            if members[0] in path.split(".")
+        }
+
+    def value(self, path: str, given: Mapping[str, float]) -> float:
+        """The number at `path`: given, else the one it shares, else its default."""
+        parameter = self.paths[path]
+        shared = parameter.shared
+        if path in given or not shared or shared == path or shared not in self.paths:
+            return given.get(path, parameter.default)
+        return self.value(shared, given)
+
+    def values(self, block: Block, given: Mapping[str, float]) -> list[float]:
+        """The numbers of `block`."""
+        return [self.value(path, given) for path in block_paths(block)]
+
+    def check(self, curves: Curves, given: Mapping[str, float]) -> None:
+        """ScenarioError if the curves of any Block make no sense with these numbers."""
+        sets = by_muscle(curves)
+        for block in self.blocks:
+            for prefix in [path.removesuffix(".L_slack") for path in block_paths(block) if path.endswith(".L_slack")]:
+                own = sets[prefix.rpartition(".")[2]]
+                if objection := own.objection({key: self.value(f"{prefix}.{key}", given) for key in own.tendon}):
+                    raise ScenarioError(f"{prefix}: {objection}")
+
+
+def table(blocks: Iterable[Block]) -> Table:
+    """The table of the Blocks given; the truth's paths have no prefix, those of others begin with their name."""
+    blocks = tuple(blocks)
+    paths = dict(RUN)
+    for block in blocks:
+        for path, parameter in zip(block_paths(block), block.parameters.values(), strict=True):
+            paths.setdefault(path, parameter)
+            if parameter.shared:
+                paths.setdefault(parameter.shared, parameter)
+    return Table(blocks, paths)
+
+
+def block_paths(block: Block) -> list[str]:
+    """The path of each parameter of `block`, in order."""
+    return [name if block.name == "truth" else f"{block.name}.{name}" for name in block.p]

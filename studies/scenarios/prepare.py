@@ -1,0 +1,127 @@
+"""Everything of a run that can be wrong before it starts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from ...codegen.loop import Loop
+from ...codegen.memory import Grid
+from ...model.block import Block
+from ...model.symbols import MUSCLES, QUANTITIES, hat
+from ...observers import OBSERVERS
+from ...observers.score import MEASURES
+from ..files.errors import ScenarioError
+from ..files.quote import shown
+from .grid import time_grid
+from .loops import full_table, paper_loop
+from .paths import Table
+from .scenario import Scenario, Value, choices_in, curves_of, read, scenario, shipped
+
+BASELINE = "baseline"
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """A checked scenario with the Blocks that run it."""
+
+    scenario: Scenario
+    loop: Loop
+    table: Table
+    grid: Grid
+    observers: tuple[str, ...]
+
+    def value(self, path: str) -> float:
+        """The number at `path`."""
+        return self.table.value(path, self.scenario.given)
+
+    def own_states(self) -> Iterator[tuple[str, str, str]]:
+        """Variable of the result, observer and state, for each state that is no estimate."""
+        for block in self.loop.observers:
+            if block.name in self.observers:
+                yield from ((f"{block.name}_{state}", block.name, state) for state in block.x if state not in block.y)
+
+
+def prepare(
+    source: str | Path,
+    observers: Sequence[str | Block] | str | Block | None,
+    changes: Mapping[str, Value],
+    quantities: tuple[str, ...] = QUANTITIES,
+    measures: tuple[str, ...] = MEASURES,
+) -> Prepared:
+    """Everything of a run that can be wrong before it starts. ScenarioError says what is.
+
+    quantities, measures: what is scored, and how.
+    """
+    if isinstance(observers, str | Block):
+        observers = [observers]
+    name, content = read(source)
+    custom = tuple(block for block in observers or () if isinstance(block, Block))
+    chosen = tuple(dict.fromkeys(o.name if isinstance(o, Block) else o for o in (observers or OBSERVERS)))
+    known = [*OBSERVERS, *(block.name for block in custom)]
+    for observer in chosen:
+        if observer not in known:
+            raise ScenarioError(f"unknown observer {shown(observer)}; there are {', '.join(known)}")
+    taken = {"truth", *(path.partition(".")[0] for path in (*full_table().paths, *full_table().groups()))}
+    if clash := [block.name for block in custom if block.name in taken]:
+        raise ScenarioError(f"the name {clash[0]!r} is taken; give your observer another one")
+    try:
+        choices_in(content, {})
+    except ScenarioError as error:
+        raise ScenarioError(f"{source}: {error}") from error
+    curves = curves_of(choices_in(content, changes))
+    every = full_table(custom, curves)
+    if str(source) not in shipped():
+        try:
+            scenario(name, content, {}, every)
+        except ScenarioError as error:
+            raise ScenarioError(f"{source}: {error}") from error
+    return assemble(scenario(name, content, changes, every), chosen, custom, quantities, measures)
+
+
+def assemble(
+    checked: Scenario,
+    observers: tuple[str, ...],
+    custom: tuple[Block, ...] = (),
+    quantities: tuple[str, ...] = QUANTITIES,
+    measures: tuple[str, ...] = MEASURES,
+) -> Prepared:
+    """The Blocks that run a scenario; ScenarioError for numbers that do not fit together."""
+    every = full_table(custom, checked.curves)
+    every.check(checked.curves, checked.given)
+    loop = paper_loop(checked.drive, checked.curves, custom, None, quantities, measures)
+    prepared = Prepared(checked, loop, every, time_grid(lambda path: every.value(path, checked.given)), observers)
+    _check_force_factors(prepared)
+    _check_samples(prepared)
+    _check_variables(prepared)
+    return prepared
+
+
+def _check_force_factors(prepared: Prepared) -> None:
+    if "plant.z_max" not in prepared.loop.truth.p:
+        return
+    z_max = prepared.value("plant.z_max")
+    for path in (f"{muscle}.g_max" for muscle in MUSCLES):
+        if path in prepared.loop.truth.p and z_max >= prepared.value(path):
+            raise ScenarioError(
+                f"plant.z_max = {z_max:g} must be below {path} = {prepared.value(path):g}, the pole of g⁻¹"
+            )
+
+
+def _check_samples(prepared: Prepared) -> None:
+    for block in prepared.loop.observers:
+        if block.name in prepared.observers and block.next and not prepared.grid.hold:
+            raise ScenarioError(
+                f"{block.name} moves at samples only, and noise.period = 0 takes none; it must be above 0"
+            )
+
+
+def _check_variables(prepared: Prepared) -> None:
+    taken = {hat(group) for group in ("x", "u", "a", "Delta")}
+    for variable, observer, state in prepared.own_states():
+        if variable in taken:
+            raise ScenarioError(
+                f"{observer}: its state {state} would be called {variable} in the result, which is taken; rename it"
+            )
+        taken.add(variable)

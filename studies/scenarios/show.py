@@ -1,0 +1,50 @@
+"""A scenario as a complete, commented TOML file to start from, and the table of all parameters."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+
+from ...model.block import Parameter
+from .prepare import prepare
+from .scenario import CHOICES
+
+
+def show(source: str) -> str:
+    """The TOML of a scenario with every number, its unit, meaning and source. ScenarioError if there is none."""
+    prepared = prepare(source, None, {})
+    scenario, every = prepared.scenario, prepared.table
+    sections: dict[str, list[str]] = {"": [f"description = {_toml(scenario.description)}"]}
+    sections[""].append(f"seed = {scenario.seed}  # of the measurement noise")
+    for path, valid in CHOICES.items():
+        section, _, key = path.rpartition(".")
+        chosen = scenario.choices.get(path, valid[0])
+        sections.setdefault(section, []).append(f'{key} = "{chosen}"  # one of {", ".join(valid)}')
+    for path, parameter in every.paths.items():
+        section, _, key = path.rpartition(".")
+        line = f"{key} = {prepared.value(path)!r}"
+        if parameter.shared and parameter.shared != path and path not in scenario.given:
+            line = f"# {line}  # follows {parameter.shared} unless set here"
+        else:
+            line = f"{line}  # {describe(parameter)}"
+        sections.setdefault(section, []).append(line)
+    return "\n".join(_lines(sections)) + "\n"
+
+
+def describe(parameter: Parameter) -> str:
+    """Meaning, unit and source in one line."""
+    unit = "" if parameter.unit == "1" else f" [{parameter.unit}]"
+    return f"{parameter.sentence}{unit} ({parameter.source})"
+
+
+def _toml(text: str) -> str:
+    """A text as TOML writes it, every character that cannot be printed as an escape."""
+    quoted = json.dumps(text, ensure_ascii=False)
+    return "".join(c if c.isprintable() else f"\\U{ord(c):08x}" for c in quoted)
+
+
+def _lines(sections: dict[str, list[str]]) -> Iterator[str]:
+    for name, lines in sections.items():
+        if name:
+            yield f"\n[{name}]"
+        yield from lines

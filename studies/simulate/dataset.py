@@ -1,0 +1,146 @@
+"""What the kernel recorded as a Dataset, with everything a run can be repeated from."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import xarray as xr
+
+from ...codegen.batch import Failure, Trace
+from ...model.arrays import Array
+from ...model.symbols import MEASURED, QUANTITIES, SIGNALS, STATES, hat
+from ..files.versions import versions
+from ..scenarios.paths import RUN, block_paths
+from ..scenarios.prepare import BASELINE, Prepared
+from ..scenarios.scenario import CHOICES
+from .conditions import gain_conditions
+from .measures import KINDS, measures
+
+
+def dataset(prepared: Prepared, traces: Mapping[str, Trace], library: str) -> xr.Dataset:
+    """The Dataset that `simulate` describes; `library` names the code that ran."""
+    loop, grid = prepared.loop, prepared.grid
+    truth, n = traces["truth"], grid.steps // grid.record + 1
+    signal = dict(zip(loop.truth.y, truth.y.T, strict=True))
+    observers, estimators = list(prepared.observers), [*prepared.observers, BASELINE]
+
+    def hats(names: Sequence[str]) -> Array:
+        """(observer, time, name) of the estimates of `names`."""
+        outputs = {block.name: list(block.y) for block in loop.observers}
+        columns = [traces[o].y[:, [outputs[o].index(hat(x)) for x in names]] for o in observers]
+        return np.array(columns).reshape(len(observers), n, len(names))
+
+    def true(names: Sequence[str]) -> Array:
+        return np.stack([signal[name] for name in names], axis=1)
+
+    data: dict[str, tuple[tuple[str, ...], Array, dict[str, str]]] = {
+        "x": (("time", "state"), true(STATES), about("true states")),
+        "u": (("time", "muscle"), true(("u1", "u2")), about("true virtual inputs: minus the fibre velocities")),
+        "a": (("time", "muscle"), true(("a1", "a2")), about("true activations")),
+        "Delta": (("time",), signal["Delta"], about(SIGNALS["Delta"].sentence)),
+        "y": (("time", "sensor"), traces[loop.sensors.name].y, about("measured position and tendon forces")),
+        "taut": (("time", "muscle"), true(("taut1", "taut2")), about("1 while the tendon carries force")),
+        "x_hat": (("observer", "time", "state"), hats(STATES), about("estimated states")),
+        "u_hat": (("observer", "time", "muscle"), hats(("u1", "u2")), about("estimated virtual inputs")),
+        "a_hat": (("observer", "time", "muscle"), hats(("a1", "a2")), about("estimated activations, within [0, 1]")),
+        "Delta_hat": (("observer", "time"), hats(("Delta",))[:, :, 0], about("estimated uncertainty")),
+    }
+    if "r" in signal:
+        data["r"] = (("time",), signal["r"], about(SIGNALS["r"].sentence))
+    states = {block.name: list(block.x) for block in loop.observers}
+    for variable, observer, state in prepared.own_states():
+        meaning = SIGNALS[state].sentence if state in SIGNALS else f"state {state}"
+        attributes = about(f"{observer}: {meaning}") | {"observer": observer, "state": state}
+        data[variable] = (("time",), traces[observer].x[:, states[observer].index(state)], attributes)
+    points = max(0, grid.steps - grid.window + 1)
+    scores = {name: traces[name].score for name in estimators}
+    if truth.failure:  # the sums stop with the truth, they are no measures of the run
+        scores = {name: dict.fromkeys(sums, np.nan) for name, sums in scores.items()}
+    errors = {name: measures(sums, points, grid.h, grid.steps * grid.h) for name, sums in scores.items()}
+    for kind, sentence in KINDS.items():
+        values = np.array([[errors[e][kind][q] for q in QUANTITIES] for e in estimators])
+        data[kind] = (("estimator", "quantity"), values, about(sentence))
+    time = np.arange(n) * (grid.record * grid.h)
+    coordinates = {
+        "time": ("time", time, about("time τ")),
+        "state": list(STATES),
+        "muscle": [1, 2],
+        "sensor": list(MEASURED),
+        "observer": observers,
+        "estimator": estimators,
+        "quantity": list(QUANTITIES),
+    }
+    return xr.Dataset(data, coordinates, _manifest(prepared, traces, library))
+
+
+def about(sentence: str) -> dict[str, str]:
+    """The attributes of a variable."""
+    return {"long_name": sentence, "units": "1"}
+
+
+def _manifest(prepared: Prepared, traces: Mapping[str, Trace], library: str) -> dict[str, str | int]:
+    """What a run can be repeated from, and what it has to say; everything as text, for NetCDF."""
+    scenario = prepared.scenario
+    guards = {name: {g: t for g, t in trace.guards.items() if t > 0} for name, trace in traces.items()}
+    checked = gain_conditions(prepared, traces["truth"])
+    violated = {name: [c for c in conditions if not c.holds] for name, conditions in checked.items()}
+    failures = {
+        name: _explain(name, trace.failure, [c.name for c in violated.get(name, [])])
+        for name, trace in traces.items()
+        if trace.failure
+    }
+    return {
+        "title": f"hillobs: {scenario.name}",
+        **repeatable(prepared),
+        "seed": str(scenario.seed),
+        "unused": json.dumps(_unused(prepared)),
+        "guards": json.dumps({name: times for name, times in guards.items() if times}),
+        "failures": json.dumps(failures),
+        "violated_conditions": json.dumps({name: [str(c) for c in some] for name, some in violated.items() if some}),
+        "library": library,
+    }
+
+
+def repeatable(prepared: Prepared) -> dict[str, str]:
+    """All numbers and choices of a scenario, and the versions that ran it, as text for NetCDF."""
+    scenario, every = prepared.scenario, prepared.table
+    used = [path for block in prepared.loop.blocks for path in block_paths(block)]
+    values = {path: prepared.value(path) for path in dict.fromkeys([*every.paths, *used])}
+    return {
+        "Conventions": "CF-1.11",
+        "scenario": scenario.name,
+        "description": scenario.description,
+        "choices": json.dumps({key: scenario.choices.get(key, valid[0]) for key, valid in CHOICES.items()}),
+        "parameters": json.dumps(values),
+        "changed": json.dumps(dict(scenario.given)),
+        "versions": json.dumps(versions()),
+    }
+
+
+def _unused(prepared: Prepared) -> list[str]:
+    """What the scenario gives and no Block of this loop takes: the controller's numbers where there is none, …."""
+    blocks = prepared.loop.blocks
+    used = {*RUN, *(path for block in blocks for path in block_paths(block))}
+    used |= {parameter.shared for block in blocks for parameter in block.parameters.values()}
+    return [path for path in prepared.scenario.given if path not in used]
+
+
+def _explain(name: str, failure: Failure, violated: Sequence[str]) -> str:
+    """What failed, when, and the likely reason; `violated` names the gain conditions that do not hold."""
+    plant = name == "truth"
+    who, at = "the plant" if plant else name, f"at τ = {failure.time:g}"
+    if failure.group == "domain" and not plant:
+        return f"{who}: {failure.name}, which must stay positive, is not {at}"
+    if failure.group == "domain":
+        what = "fibre" if "L_C" in failure.name else "tendon"
+        if failure.time == 0:
+            return f"{who}: it starts outside its domain, the {what} length {failure.name} is not positive"
+        return f"{who}: the {what} length {failure.name} reached 0 {at}: the mass is pulled beyond what a muscle can be"
+    reason = "the step is likely too large for the gains, try a smaller one"
+    if plant:
+        reason = "the parameters or the reference ask for more than the muscles can give"
+    elif violated:
+        reason = f"gain conditions that do not hold: {', '.join(violated)}"
+    return f"{who}: {failure.name} is not a finite number {at}; {reason}"

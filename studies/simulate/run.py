@@ -1,0 +1,51 @@
+"""One scenario, all observers, one Dataset."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+
+import xarray as xr
+
+from ...codegen.batch import compile_loop
+from ...model.block import Block
+from ..scenarios.prepare import BASELINE, Prepared, prepare
+from ..scenarios.scenario import Value
+from .dataset import dataset
+
+Progress = Callable[[float], None]
+
+
+class RunWarning(UserWarning):
+    """A run ended before its time; the Dataset's attribute `failures` says why."""
+
+
+def simulate(
+    source: str | Path = "paper-clean",
+    observers: Sequence[str | Block] | str | Block | None = None,
+    changes: Mapping[str, Value] | None = None,
+    progress: Progress = lambda done: None,
+) -> xr.Dataset:
+    """Run a scenario and return states, inputs, activations, estimates and measures with named dimensions.
+
+    source: the name of a shipped scenario, or the path of a TOML file.
+    observers: names from the registry, or Blocks with an observer's ports; all registered ones by default.
+    changes: path → value on top of the scenario, such as {"plant.m": 1.2, "seed": 3}.
+    The Dataset has the dimensions time, state, muscle, sensor, observer, estimator (observers and the baseline)
+    and quantity; everything is dimensionless. Failures are in its attributes, the numbers after one are NaN.
+    ScenarioError for a wrong scenario, path, value or observer; BuildError if nothing can be compiled.
+    """
+    return simulate_prepared(prepare(source, observers, changes or {}), progress)
+
+
+def simulate_prepared(prepared: Prepared, progress: Progress = lambda done: None) -> xr.Dataset:
+    """Run what `prepare` has checked."""
+    loop, grid = prepared.loop, prepared.grid
+    parameters = {block.name: prepared.table.values(block, prepared.scenario.given) for block in loop.blocks}
+    compiled = compile_loop(loop)
+    traces = compiled.run(grid, prepared.scenario.seed, parameters, (BASELINE, *prepared.observers), progress)
+    result = dataset(prepared, traces, str(compiled.path.stem))
+    if truth := traces["truth"].failure:
+        warnings.warn(f"the plant failed at τ = {truth.time:g}; what follows is NaN", RunWarning, stacklevel=3)
+    return result

@@ -1,0 +1,177 @@
+"""What a sweep varies: paths with their values, as lists, ranges, or samples of a design."""
+
+from __future__ import annotations
+
+import importlib
+import itertools
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ...model.arrays import Array
+from ..files.errors import ScenarioError
+from ..files.numbers import parse_number
+from ..files.quote import shown
+
+DESIGNS = ("latin", "sobol")
+KINDS = ("grid", "zip", *DESIGNS)
+_SHAPES = ("lin", "log")
+# an axis with more values is a mistake
+_MOST_VALUES = 1_000_000
+
+
+@dataclass(frozen=True)
+class Range:
+    """From `low` to `high`, evenly spaced or evenly in the logarithm; `count` values, or 0 for a design to choose."""
+
+    low: float
+    high: float
+    count: int = 0
+    logarithmic: bool = False
+
+    def at(self, share: Array) -> Array:
+        """The values at shares of the way, 0 to 1."""
+        if not self.logarithmic:
+            return self.low + share * (self.high - self.low)
+        # the ends exactly, whatever the logarithm rounds
+        inside = np.exp(math.log(self.low) + share * (math.log(self.high) - math.log(self.low)))
+        return np.where(share == 0, self.low, np.where(share == 1, self.high, inside))
+
+
+Values = Range | Sequence[float] | ArrayLike
+
+
+@dataclass(frozen=True)
+class Axes:
+    """The points of a sweep: how they are made, and the value of each path at each point."""
+
+    kind: str
+    paths: tuple[str, ...]
+    values: tuple[Array, ...]  # per path: along its own dimension in a grid, else per point
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Points along each dimension of the result."""
+        if self.kind == "grid":
+            return tuple(len(values) for values in self.values)
+        return (len(self.values[0]),) if self.values else ()
+
+    @property
+    def dimensions(self) -> tuple[str, ...]:
+        """Names of these dimensions."""
+        return self.paths if self.kind == "grid" else ("point",) * bool(self.values)
+
+    def at(self, points: NDArray[np.int64]) -> Array:
+        """(points × paths) values, points counted with the last dimension running fastest."""
+        if self.kind != "grid":
+            return (
+                np.stack([values[points] for values in self.values], axis=1)
+                if self.values
+                else np.empty((len(points), 0))
+            )
+        places = np.unravel_index(points, self.shape) if self.shape else ()
+        columns = [values[place] for values, place in zip(self.values, places, strict=True)]
+        return np.stack(columns, axis=1) if columns else np.empty((len(points), 0))
+
+
+def axes(over: Mapping[str, Values], kind: str = "grid", samples: int = 0, design_seed: int = 0) -> Axes:
+    """The Axes of `over`, path → values or Range. ScenarioError says what is wrong with them.
+
+    kind: `grid` for all combinations, `zip` for the i-th value of each, `latin` or `sobol` for `samples` points of a
+    Latin hypercube or of Sobol's sequence, in the Ranges given.
+    """
+    if kind not in KINDS:
+        raise ScenarioError(f"unknown kind of sweep {shown(kind)}; there are {', '.join(KINDS)}")
+    paths = tuple(over)
+    if kind in DESIGNS:
+        return Axes(kind, paths, _design(over, kind, samples, design_seed))
+    values = tuple(_spelled(path, wanted) for path, wanted in over.items())
+    if kind == "zip" and len({len(v) for v in values}) > 1:
+        lengths = ", ".join(f"{path} {len(v)}" for path, v in zip(paths, values, strict=True))
+        raise ScenarioError(f"to go together, axes must have equally many values: {lengths}")
+    for path, axis in zip(paths, values, strict=True):
+        if kind == "grid" and len(set(axis.tolist())) < len(axis):
+            raise ScenarioError(f"{path} has a value twice")
+    return Axes(kind, paths, values)
+
+
+def parse_axis(text: str) -> tuple[str, Values]:
+    """`PATH=VALUES` as typed: `0.1,0.2`, `lin:LOW:HIGH:COUNT`, `log:LOW:HIGH:COUNT`; without COUNT for a design."""
+    path, equals, spelled = text.partition("=")
+    if not equals or not path or not spelled:
+        raise ScenarioError(f"{shown(text)} is not PATH=VALUES, such as high_gain.eps_h=log:0.02:0.5:25")
+    shape, *numbers = spelled.split(":")
+    if not numbers:
+        return path, [parse_number(path, value) for value in spelled.split(",")]
+    if shape not in _SHAPES or len(numbers) not in (2, 3):
+        raise ScenarioError(f"{shown(text)}: a range is lin:LOW:HIGH:COUNT or log:LOW:HIGH:COUNT")
+    low, high = (parse_number(path, number) for number in numbers[:2])
+    count = _count(path, numbers[2]) if len(numbers) == 3 else 0
+    return path, Range(low, high, count, shape == "log")
+
+
+def _count(path: str, text: str) -> int:
+    if not text.isascii() or not text.isdigit() or not 1 <= int(text[:12]) <= _MOST_VALUES:
+        raise ScenarioError(f"{path}: the number of values must be 1 to {_MOST_VALUES:,}, not {shown(text)}")
+    return int(text)
+
+
+def _spelled(path: str, wanted: Values) -> Array:
+    """All values of an axis."""
+    if isinstance(wanted, Range):
+        _check(path, wanted)
+        if wanted.count < 1:
+            raise ScenarioError(f"{path}: the range has no number of values; only a design can do without")
+        return wanted.at(np.linspace(0, 1, wanted.count))
+    try:
+        values = np.atleast_1d(np.asarray(wanted, dtype=float))
+    except (TypeError, ValueError):
+        values = np.empty((0, 0))
+    if values.ndim != 1:
+        raise ScenarioError(f"{path}: the values must be numbers")
+    if not 1 <= len(values) <= _MOST_VALUES:
+        raise ScenarioError(f"{path}: there must be 1 to {_MOST_VALUES:,} values")
+    return values
+
+
+def _check(path: str, wanted: Range) -> None:
+    if not math.isfinite(wanted.high - wanted.low):
+        raise ScenarioError(f"{path}: the range from {wanted.low:g} to {wanted.high:g} is beyond all numbers")
+    if wanted.logarithmic and not (wanted.low > 0 and wanted.high > 0):
+        raise ScenarioError(f"{path}: a logarithmic range needs ends above 0, not {wanted.low:g} and {wanted.high:g}")
+    if not wanted.low < wanted.high and wanted.count != 1:
+        raise ScenarioError(f"{path}: the range from {wanted.low:g} to {wanted.high:g} is empty")
+
+
+def _design(over: Mapping[str, Values], kind: str, samples: int, seed: int) -> tuple[Array, ...]:
+    ranges: list[Range] = []
+    for path, wanted in over.items():
+        if not isinstance(wanted, Range):
+            raise ScenarioError(f"{path}: a design needs a range, such as {path}=log:0.02:0.5")
+        if wanted.count:
+            raise ScenarioError(f"{path}: a design says itself how many samples; leave out the range's {wanted.count}")
+        _check(path, wanted)
+        ranges.append(wanted)
+    if not ranges:
+        raise ScenarioError("a design needs at least one range to sample")
+    if not 1 <= samples <= _MOST_VALUES:
+        raise ScenarioError(f"a design has 1 to {_MOST_VALUES:,} samples, not {samples}")
+    if kind == "sobol" and samples & (samples - 1):
+        raise ScenarioError(f"Sobol's sequence is balanced for powers of two only, not for {samples} samples")
+    try:
+        qmc = importlib.import_module("scipy.stats.qmc")
+    except ImportError as error:
+        raise ScenarioError("designs need SciPy: pip install 'hillobs[design]'") from error
+    sampler = (qmc.LatinHypercube if kind == "latin" else qmc.Sobol)(len(ranges), seed=seed)
+    shares = np.asarray(sampler.random(samples), dtype=float)
+    return tuple(wanted.at(column) for wanted, column in zip(ranges, shares.T, strict=True))
+
+
+def combinations(axes: Axes, paths: Sequence[str]) -> Iterator[dict[str, float]]:
+    """The different sets of values that some of the paths take together."""
+    values = [axes.values[axes.paths.index(path)].tolist() for path in paths]
+    rows = itertools.product(*values) if axes.kind == "grid" else dict.fromkeys(zip(*values, strict=True))
+    yield from (dict(zip(paths, row, strict=True)) for row in rows)

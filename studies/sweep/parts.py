@@ -1,0 +1,160 @@
+"""The parts of an unfinished sweep: a folder beside its result, one sealed file a part, one process at a time."""
+
+from __future__ import annotations
+
+import contextlib
+import fcntl
+import json
+import os
+import re
+import shutil
+import socket
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from types import TracebackType
+
+import numpy as np
+
+from ...model.arrays import Array
+from ..files.errors import ResultError
+from ..files.netcdf import sealed, unsealed
+from ..files.reading import cause, read_whole
+from ..files.writing import write_whole
+
+# a part is some thousand numbers
+_LARGEST_PART = 1_000_000_000
+_LARGEST_PLAN = 1_000_000_000
+# one name per part, so that none is found twice
+_PART = re.compile(r"(\d{8}|[1-9]\d{8,})\.part", re.ASCII)
+
+
+class Parts:
+    """The folder `RESULT.parts`, locked while it is used as a context; parts are found again by their content."""
+
+    def __init__(self, result: Path, identity: str, description: Mapping[str, object]) -> None:
+        self.folder = result.with_name(f"{result.name}.parts")
+        self._result, self._identity, self._description = result, identity, description
+        self.damaged = 0  # files that were no part and are computed again
+
+    def __enter__(self) -> Parts:
+        """Lock the folder. ResultError if another process has it, or it holds parts of another sweep."""
+        try:
+            self._lock = self._locked()
+        except ResultError:
+            raise
+        except (OSError, ValueError) as error:
+            raise ResultError(f"{self.folder} cannot be written to: {cause(error)}") from error
+        try:
+            self._compare()
+            self._sweep()
+        except BaseException:
+            os.close(self._lock)
+            raise
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Let go; the system does so too if we die."""
+        os.close(self._lock)
+
+    def read(self, part: int) -> Array | None:
+        """The numbers of a part, or None if it is not there whole."""
+        path = self._path(part)
+        try:
+            content = unsealed(read_whole(path, _LARGEST_PART))
+        except FileNotFoundError:
+            return None
+        except (OSError, ValueError) as error:
+            raise ResultError(f"{path} cannot be read: {cause(error)}") from error
+        head, _, body = (content or b"").partition(b"\n")
+        if head != self._head(part):
+            self.damaged += 1
+            return None
+        return np.frombuffer(body, dtype="<f8")
+
+    def write(self, part: int, numbers: Array) -> None:
+        """Keep the numbers of a part. ResultError if that fails."""
+        body = np.ascontiguousarray(numbers, dtype="<f8").tobytes()
+        write_whole(self._path(part), sealed(self._head(part) + b"\n" + body))
+
+    def remove(self) -> None:
+        """Remove the folder, once the result is there."""
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+    def remove_left(self) -> None:
+        """Remove the folder of a process that was killed between its result and the end."""
+        with contextlib.suppress(ResultError, OSError):
+            if self.folder.is_dir():
+                with self:
+                    self.remove()
+
+    def _path(self, part: int) -> Path:
+        return self.folder / f"{part:08d}.part"
+
+    def _head(self, part: int) -> bytes:
+        return f"hillobs sweep {self._identity} part {part}".encode()
+
+    def _locked(self) -> int:
+        """A descriptor of the lock in the folder, which is ours while it is open."""
+        path = self.folder / "lock"
+        while True:
+            self.folder.mkdir(exist_ok=True)
+            lock = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
+            try:
+                self._take(lock)
+                # who has just finished has removed the folder under us
+                with contextlib.suppress(FileNotFoundError):
+                    if os.path.samestat(os.fstat(lock), os.stat(path)):
+                        return lock
+            except BaseException:
+                os.close(lock)
+                raise
+            os.close(lock)
+
+    def _take(self, lock: int) -> None:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError as error:
+            owner = os.pread(lock, 200, 0).decode(errors="replace").strip() or "another process"
+            raise ResultError(f"{self._result} is being computed by {owner}") from error
+        os.ftruncate(lock, 0)
+        os.pwrite(lock, f"process {os.getpid()} on {socket.gethostname()}".encode(), 0)
+
+    def _compare(self) -> None:
+        """Another sweep's parts are not mixed with ours."""
+        path, wanted = self.folder / "plan.json", json.dumps(self._description, sort_keys=True).encode()
+        try:
+            found = unsealed(read_whole(path, _LARGEST_PLAN))
+        except FileNotFoundError:
+            found = None
+        except (OSError, ValueError) as error:
+            raise ResultError(f"{path} cannot be read: {cause(error)}") from error
+        if found is None:  # none, or damaged: each part says itself whose it is
+            write_whole(path, sealed(wanted))
+        elif found != wanted:
+            other = json.loads(found)
+            changed = [key for key, value in json.loads(wanted).items() if other.get(key) != value]
+            raise ResultError(
+                f"{self.folder} holds an unfinished sweep with other {' and '.join(changed)}; "
+                "finish that one, name another --out, or remove the folder"
+            )
+
+    def _sweep(self) -> None:
+        """Remove what a killed process left half written; nobody else writes here while we have the lock."""
+        for name in self._names():
+            if name.startswith("."):
+                with contextlib.suppress(OSError):
+                    os.unlink(self.folder / name)
+
+    def __iter__(self) -> Iterator[int]:
+        """The parts that have a file, whole or not."""
+        for name in sorted(self._names()):
+            if found := _PART.fullmatch(name):
+                yield int(found[1])
+
+    def _names(self) -> list[str]:
+        try:
+            return os.listdir(self.folder)
+        except OSError as error:
+            raise ResultError(f"{self.folder} cannot be read: {cause(error)}") from error

@@ -1,0 +1,227 @@
+"""A sweep as a list of runs: which numbers each has, on which grid, and what determines its result."""
+
+from __future__ import annotations
+
+import hashlib
+import itertools
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from numbers import Integral
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...codegen.memory import Grid
+from ...model.arrays import Array
+from ...model.block import Block
+from ...model.symbols import QUANTITIES
+from ...observers import OBSERVERS
+from ...observers.score import MEASURES
+from ..files.errors import ScenarioError
+from ..files.quote import shown
+from ..scenarios.grid import time_grid
+from ..scenarios.paths import block_paths
+from ..scenarios.prepare import BASELINE, Prepared, prepare
+from ..scenarios.scenario import Value, checked_number
+from .axes import Axes, Values, axes, combinations
+
+# runs of a part: about two seconds of one core
+PART = 512
+# counts up when the numbers of a part change their meaning, so that old parts are not read as new ones
+_LAYOUT = 3
+# from here on a sweep is asked for twice
+MANY_RUNS = 100_000_000
+# even one score of more of them hardly fits into a file
+_MOST_SEEDS = 100_000_000
+# numbers that have to fit together are checked for every combination, if there are no more than these
+_MOST_CHECKS = 200_000
+# the last words of paths whose numbers limit each other
+_TOGETHER = ("L_slack", "toe", "F_toe", "k", "z_max", "g_max")
+
+Seeds = NDArray[np.uint64]
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A checked sweep; run r is the point r // len(seeds) with the seed r % len(seeds)."""
+
+    prepared: Prepared
+    axes: Axes
+    seeds: Seeds
+    observers: tuple[str, ...]
+    quantities: tuple[str, ...]
+    measures: tuple[str, ...]
+    part: int  # runs that are computed, kept and counted together
+
+    @property
+    def runs(self) -> int:
+        """How many runs there are."""
+        return int(np.prod(self.axes.shape, dtype=object)) * len(self.seeds)
+
+    @property
+    def parts(self) -> int:
+        """How many parts they come in."""
+        return -(-self.runs // self.part)
+
+    @property
+    def steps(self) -> int:
+        """Integration steps of one run, of the longest where they differ."""
+        return max(grid.steps for grid in self.grids())
+
+    def members(self, part: int) -> NDArray[np.int64]:
+        """The runs of a part."""
+        return np.arange(part * self.part, min((part + 1) * self.part, self.runs))
+
+    def numbers(self, runs: NDArray[np.int64]) -> dict[str, Array]:
+        """(runs × numbers) for each Block of the loop."""
+        points = self.axes.at(runs // len(self.seeds))
+        result = {}
+        for block in self.prepared.loop.blocks:
+            base = np.array(self.prepared.table.values(block, self.prepared.scenario.given))
+            rows = np.broadcast_to(base, (len(runs), len(base))).copy()
+            for column, places in self.reach(block):
+                rows[:, places] = points[:, column : column + 1]
+            result[block.name] = rows
+        return result
+
+    def on_grids(self, runs: NDArray[np.int64]) -> Iterator[tuple[Grid, NDArray[np.intp]]]:
+        """The time grids of some runs, and which of them run on each, counted within `runs`."""
+        timed = [i for i, path in enumerate(self.axes.paths) if self.prepared.table.is_run(path)]
+        points = self.axes.at(runs // len(self.seeds))[:, timed]
+        kinds, which = np.unique(points, axis=0, return_inverse=True)
+        for kind, values in enumerate(kinds.tolist()):
+            given = dict(zip((self.axes.paths[i] for i in timed), values, strict=True))
+            yield self._grid(given), np.flatnonzero(which.ravel() == kind)
+
+    def grids(self) -> list[Grid]:
+        """All time grids of the sweep."""
+        timed = [path for path in self.axes.paths if self.prepared.table.is_run(path)]
+        return [self._grid(given) for given in combinations(self.axes, timed)]
+
+    def identity(self, library: str) -> str:
+        """A hash of all that determines the numbers; `library` names the code."""
+        return hashlib.sha256(json.dumps(self.description(library), sort_keys=True).encode()).hexdigest()
+
+    def description(self, library: str) -> dict[str, object]:
+        """What determines the numbers, by name."""
+        scenario = self.prepared.scenario
+        return {
+            "scenario": [dict(scenario.choices), dict(scenario.given)],
+            "axes": [self.axes.kind, *zip(self.axes.paths, (v.tolist() for v in self.axes.values), strict=True)],
+            "seeds": self.seeds.tolist(),
+            "observers": list(self.observers),
+            "scored": [list(self.quantities), list(self.measures)],
+            "code": [library, self.part, _LAYOUT],
+        }
+
+    def _grid(self, given: Mapping[str, float]) -> Grid:
+        numbers = {**self.prepared.scenario.given, **self.prepared.table.spread(given)}
+        return time_grid(lambda path: self.prepared.table.value(path, numbers))
+
+    def reach(self, block: Block) -> list[tuple[int, list[int]]]:
+        """For each axis, the places among the numbers of `block` that it sets."""
+        table, given = self.prepared.table, self.prepared.scenario.given
+        # a number that no one gives marks what follows from each axis
+        marks = {path: float(np.nextafter(np.inf, 0)) / (i + 2) for i, path in enumerate(self.axes.paths)}
+        marked = {**given, **table.spread(marks)}
+        found = [table.value(path, marked) for path in block_paths(block)]
+        reach = [(i, [at for at, value in enumerate(found) if value == mark]) for i, mark in enumerate(marks.values())]
+        return [(i, places) for i, places in reach if places]
+
+
+def plan(
+    source: str | Path,
+    over: Mapping[str, Values],
+    seeds: int | Sequence[int],
+    observers: Sequence[str | Block] | str | Block | None = None,
+    changes: Mapping[str, Value] | None = None,
+    kind: str = "grid",
+    samples: int = 0,
+    quantities: Sequence[str] = QUANTITIES,
+    measures: Sequence[str] = MEASURES,
+) -> Plan:
+    """Everything of a sweep that can be wrong before it starts. ScenarioError says what is."""
+    if "seed" in (changes or {}):
+        raise ScenarioError("a sweep has seeds of its own; use seeds, not a change of seed")
+    chosen, wanted = _observers(observers, over)
+    # in the order of the tables, whatever the order asked for; the RMSE is always among the measures
+    scored = _chosen("quantity", quantities, QUANTITIES), _chosen("measure", ["rmse", *measures], MEASURES)
+    prepared = prepare(source, chosen, changes or {}, *scored)
+    made = axes(over, kind, samples)
+    for path, values in zip(made.paths, made.values, strict=True):
+        if path in ("seed", "record") or not prepared.table.expand(path):
+            raise ScenarioError(f"{path} cannot be swept" + ("; use seeds" if path == "seed" else ""))
+        for value in np.unique(values).tolist():
+            checked_number(path, value, prepared.table)
+    result = Plan(prepared, made, _seeds(seeds), wanted or prepared.observers, *scored, PART)
+    _check_effect(result)
+    _check_together(result, source, chosen, changes or {})
+    return result
+
+
+def _chosen(what: str, names: Sequence[str], known: Sequence[str]) -> tuple[str, ...]:
+    """Those of `known` that are named. ScenarioError if another one is, or none."""
+    for name in names:
+        if name not in known:
+            raise ScenarioError(f"unknown {what} {shown(name)}; there are {', '.join(known)}")
+    if not names:
+        raise ScenarioError(f"a sweep needs at least one {what}")
+    return tuple(name for name in known if name in names)
+
+
+def _check_effect(wanted: Plan) -> None:
+    """Each axis must change a number of what runs."""
+    loop = wanted.prepared.loop
+    running = [b for b in loop.blocks if b not in loop.observers or b.name in wanted.observers]
+    moved = {axis for block in running for axis, _ in wanted.reach(block)}
+    for i, path in enumerate(wanted.axes.paths):
+        if i not in moved and not wanted.prepared.table.is_run(path):
+            raise ScenarioError(f"{path} changes nothing here: nothing that runs and is scored takes it")
+
+
+def _check_together(
+    wanted: Plan, source: str | Path, observers: Sequence[str | Block] | None, changes: Mapping[str, Value]
+) -> None:
+    """Each combination of numbers that limit each other must be one that could run."""
+    table = wanted.prepared.table
+    paths = [p for p in wanted.axes.paths if table.is_run(p) or p.rpartition(".")[2] in _TOGETHER]
+    every = list(itertools.islice(combinations(wanted.axes, paths), _MOST_CHECKS + 1)) if paths else []
+    if len(every) > _MOST_CHECKS:
+        raise ScenarioError(f"{', '.join(paths)} take more than {_MOST_CHECKS:,} combinations, too many to check")
+    for values in every:
+        try:
+            prepare(source, observers, {**changes, **table.spread(values)})
+        except ScenarioError as error:
+            where = ", ".join(f"{path} = {value:g}" for path, value in values.items())
+            raise ScenarioError(f"at {where}: {error}") from error
+
+
+def _observers(
+    given: Sequence[str | Block] | str | Block | None, over: Mapping[str, Values]
+) -> tuple[list[str | Block] | None, tuple[str, ...]]:
+    """What `prepare` is asked for, and the estimators of the sweep if they are others."""
+    if given is None:
+        # an axis of one observer says nothing of the others
+        owners = dict.fromkeys(path.partition(".")[0] for path in over)
+        return [owner for owner in owners if owner in OBSERVERS] or None, ()
+    every = [given] if isinstance(given, str | Block) else list(given)
+    names = tuple(dict.fromkeys(o.name if isinstance(o, Block) else o for o in every))
+    asked = [observer for observer in every if observer != BASELINE]
+    return asked or None, names if BASELINE in names else ()
+
+
+def _seeds(given: int | Sequence[int]) -> Seeds:
+    if (count := given if isinstance(given, int) else len(given)) < 1:
+        raise ScenarioError("a sweep needs at least one seed")
+    if count > _MOST_SEEDS:
+        raise ScenarioError(f"a sweep has no more than {_MOST_SEEDS:,} seeds, not {count:,}")
+    if isinstance(given, int):
+        return np.arange(count, dtype=np.uint64)
+    values = list(given)
+    if any(isinstance(s, bool) or not isinstance(s, Integral) or not 0 <= s < 2**64 for s in values):
+        raise ScenarioError("seeds must be whole numbers from 0 to 2⁶⁴ − 1")
+    if len(set(values)) < len(values):
+        raise ScenarioError("a seed is there twice")
+    return np.array(values, dtype=np.uint64)

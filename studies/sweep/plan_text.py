@@ -1,0 +1,53 @@
+"""A Plan as text and back: what a worker needs to know of a sweep, as plain data."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ...observers import OBSERVERS
+from ..files.errors import ScenarioError
+from ..scenarios.prepare import BASELINE, assemble
+from ..scenarios.scenario import Scenario
+from .axes import Axes
+from .plan import Plan
+
+
+def text_of(wanted: Plan) -> str:
+    """A Plan as JSON, each number to its last bit. ScenarioError if it holds an observer that is not ours."""
+    prepared = wanted.prepared
+    if foreign := [b.name for b in prepared.loop.observers if b.name not in (BASELINE, *OBSERVERS)]:
+        raise ScenarioError(
+            f"{foreign[0]} is a Block of this process, which no text can send; sweep it without a cluster"
+        )
+    scenario = prepared.scenario
+    content = {
+        "scenario": [scenario.name, scenario.description, scenario.seed, dict(scenario.choices), dict(scenario.given)],
+        "prepared": list(prepared.observers),
+        # the values themselves: another machine's exp may round a range otherwise
+        "axes": [wanted.axes.kind, dict(zip(wanted.axes.paths, (v.tolist() for v in wanted.axes.values), strict=True))],
+        "seeds": wanted.seeds.tolist(),
+        "observers": list(wanted.observers),
+        "scored": [list(wanted.quantities), list(wanted.measures)],
+        "part": wanted.part,
+    }
+    return json.dumps(content, allow_nan=False)
+
+
+def plan_of(text: str) -> Plan:
+    """The Plan that `text_of` has written."""
+    content: Mapping[str, Any] = json.loads(text)
+    kind, axes = content["axes"]
+    quantities, measures = (tuple(names) for names in content["scored"])
+    return Plan(
+        assemble(Scenario(*content["scenario"]), tuple(content["prepared"]), (), quantities, measures),
+        Axes(kind, tuple(axes), tuple(np.array(values, dtype=float) for values in axes.values())),
+        np.array(content["seeds"], dtype=np.uint64),
+        tuple(content["observers"]),
+        quantities,
+        measures,
+        content["part"],
+    )

@@ -1,0 +1,101 @@
+"""Every observer of the registry, and any of a user's own, passes the same checks; a wrong one does not."""
+
+import dataclasses
+
+import pytest
+
+from hillobs.model.block import Block, Parameter, Symbols, symbols
+from hillobs.observers import OBSERVERS, baseline_estimator
+from hillobs.observers.conditions import FACTS, check
+from hillobs.studies.conformance import conformance
+from hillobs.studies.files.errors import ScenarioError
+from hillobs.studies.scenarios.prepare import prepare
+
+
+@pytest.mark.parametrize("name", OBSERVERS)
+def test_ours_conform(name: str) -> None:
+    assert conformance(OBSERVERS[name].build()) == []
+
+
+def test_a_users_own_conforms(proportional: Block) -> None:
+    assert conformance(proportional) == []
+
+
+def test_a_missing_port_is_named(proportional: Block) -> None:
+    y = Symbols({name: value for name, value in proportional.y.items() if name != "Delta_hat"})
+    assert conformance(dataclasses.replace(proportional, y=y)) == [
+        "proportional: an observer must estimate Delta_hat as well"
+    ]
+
+
+def test_an_observer_sees_the_sensors_only(proportional: Block) -> None:
+    cheat = dataclasses.replace(proportional, u=Symbols({**proportional.u, **symbols("x2")}))
+    assert conformance(cheat) == ["proportional: an observer sees t, y1, y2, y3, L_S1, L_S2 only, not x2"]
+
+
+def test_what_is_not_finite_for_a_slack_tendon_is_found(proportional: Block) -> None:
+    u = proportional.u
+    broken = dataclasses.replace(proportional, dx=Symbols({**proportional.dx, "x3_hat": u.y1 / u.y2}))
+    assert conformance(broken)[0] == "proportional: step not finite at the measured forces 0"
+
+
+def test_an_undescribed_parameter_is_found(proportional: Block) -> None:
+    bare = dataclasses.replace(proportional, parameters={"gain": Parameter(1.0, "", "", above=0)})
+    assert conformance(bare) == ["proportional: parameter gain needs a sentence, a source and a unit"]
+
+
+def facts(**changes: float) -> dict[str, float]:
+    return {"h": 5e-4, "U_m": 0.9, "sup_dDelta": 0.004, "sup_du1": 0.02, "sup_du2": 0.02, **changes}
+
+
+def violated(name: str, **changes: float) -> list[str]:
+    observer = OBSERVERS[name]
+    block, about = observer.build(), symbols(FACTS)
+    values = {key: changes.get(key, parameter.default) for key, parameter in block.parameters.items()}
+    known = facts(**{key: value for key, value in changes.items() if key in FACTS})
+    results = check(observer.conditions(block.p, about), Symbols({**block.p, **about}), {**values, **known})
+    return [str(result) for result in results if not result.holds]
+
+
+def test_the_papers_gains_meet_their_conditions_but_for_the_rounded_one() -> None:
+    assert violated("high_gain") == []
+    assert violated("adaptive_sliding_mode") == []
+    (only,) = violated("sliding_mode")
+    assert "[lambda11]: 28.17 > 28.17446 does not hold" in only
+
+
+@pytest.mark.parametrize(
+    ("name", "change", "words"),
+    [
+        ("high_gain", {"h13": 9.5}, "h₁₁h₁₂ > h₁₃: 9 > 9.5"),
+        ("high_gain", {"eps_h": 1.5}, "0 < ε_h < 1: 1.5 < 1"),
+        ("high_gain", {"h22": -1.0}, "h22 > 0: -1 > 0"),
+        ("sliding_mode", {"alpha3": 0.9}, "α₃ > U₂ₘ [alpha3]: 0.9 > 0.9"),
+        ("sliding_mode", {"h": 0.02}, "h < 2δ_s/α (integration): 0.02 < 0.01818182"),
+        ("sliding_mode", {"tau_s": 1e-4}, "h < 2τ_s (integration): 0.0005 < 0.0002"),
+        ("adaptive_sliding_mode", {"a_dual": 0.95}, "0 < a < 1/β₀: 0.95 < 0.9090909"),
+        ("adaptive_sliding_mode", {"alpha0": 2.97}, "α₀ = 2√(2β₀): 2.97 = 2.966479"),
+        ("adaptive_sliding_mode", {"h": 5e-3}, "(r₀ + r_max) h/δ_a < 2.78 (integration): 10.25 < 2.78"),
+        ("adaptive_sliding_mode", {"sup_du1": 2.0}, "(dual layer): 0.01 >"),
+    ],
+)
+def test_a_violated_condition_is_reported_with_both_numbers(name: str, change: dict[str, float], words: str) -> None:
+    assert any(words in sentence for sentence in violated(name, **change))
+
+
+def test_the_baseline_has_no_state() -> None:
+    assert list(baseline_estimator().x) == []
+
+
+@pytest.mark.parametrize("name", ["C", "u_high", "muscle1.W"])
+def test_a_parameter_of_the_activation_is_not_taken_over_by_accident(proportional: Block, name: str) -> None:
+    p = Symbols({name: proportional.p.gain})
+    own = dataclasses.replace(proportional, p=p, parameters={name: proportional.parameters["gain"]})
+    (complaint,) = conformance(own)
+    assert complaint.startswith(f"proportional: the activation wired to it has a parameter {name} too")
+
+
+@pytest.mark.parametrize("name", ["high_gain", "baseline", "truth", "noise", "plant", "muscle1", "pulse", "score"])
+def test_a_name_that_a_scenario_uses_is_refused(proportional: Block, name: str) -> None:
+    with pytest.raises(ScenarioError, match=f"the name '{name}' is taken"):
+        prepare("paper-clean", [dataclasses.replace(proportional, name=name)], {})
