@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 CODE := model observers codegen studies hillobs tests benchmarks
 
 .DEFAULT_GOAL := help
-.PHONY: help sim sweep estimate test check format lint types observability chaos bench clean
+.PHONY: help sim sweep estimate test check format lint types imports observability chaos bench clean
 
 help: ## show this help
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 16
@@ -33,7 +33,7 @@ estimate: $(VENV)/.installed ## activations from the shipped recording, scored, 
 test: $(VENV)/.installed ## all tests
 	$(BIN)/python -m pytest
 
-check: format lint types test ## what CI runs: format, lint, types, tests
+check: format lint types imports test ## what CI runs: format, lint, types, the stair of imports, tests
 
 format: $(VENV)/.installed ## is the code formatted?
 	$(BIN)/ruff format --check $(CODE)
@@ -43,6 +43,9 @@ lint: $(VENV)/.installed ## ruff's rules
 
 types: $(VENV)/.installed ## mypy, strict
 	cd $(VENV)/types && ../bin/mypy --config-file ../../pyproject.toml -p hillobs -p benchmarks
+
+imports: $(VENV)/.installed ## do imports go down the stair only? (contracts in pyproject.toml)
+	cd $(VENV)/types && PYTHONPATH=. ../bin/lint-imports --config ../../pyproject.toml --cache-dir ../../.import_linter_cache
 
 observability: $(VENV)/.installed ## ranks, maps and figures of docs/observability.md
 	$(BIN)/python -m hillobs.studies.cli.pages.observability
@@ -59,4 +62,4 @@ bench: $(VENV)/.bench ## how fast the loop is beside CasADi's C, numba, JAX …:
 	$(BIN)/python -m benchmarks
 
 clean: ## remove results, caches and compiled libraries
-	rm -rf results build/cache .setuptools .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf results build/cache .setuptools .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
