@@ -20,9 +20,10 @@ from ...model.block import Symbols
 from ...model.curves import NGUYEN2019, NGUYEN2019_PRINTED
 from ...model.symbols import hat
 from ..scenarios.grid import time_grid
+from ..scenarios.layers import Value, layers
 from ..scenarios.loops import paper_loop
 from ..scenarios.paths import RUN, table
-from ..scenarios.scenario import Value, read, scenario
+from ..scenarios.scenario import scenario
 from ..simulate.measures import measures
 from ..simulate.run import Progress
 from .printed import ADAPTIVE, CONTROLLER, OBSERVER, Erratum, adaptive_as_printed, backstepping_as_printed, printed_toe
@@ -206,7 +207,7 @@ def _run(changes: Mapping[str, Value], observers: Sequence[str], progress: Progr
     """The paper's first simulation with the printed forms in the loop."""
     loop = _loop()
     every = table(loop.blocks)
-    given = scenario(*read("paper-clean"), changes, every).given
+    given = scenario(*layers("paper-clean", changes), every).given
     grid = time_grid(lambda path: every.value(path, given))
     values = {block.name: every.values(block, given) for block in loop.blocks}
     traces = compile_loop(loop).run(grid, 0, values, observers, progress)

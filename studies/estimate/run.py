@@ -18,8 +18,9 @@ from ..laboratory.gaps import bridged, refuse_impossible, refuse_long_steps
 from ..laboratory.muscles import MusclePair, read_muscles
 from ..laboratory.recording import Recording, read_recording
 from ..laboratory.scales import scales
+from ..scenarios.layers import Value
 from ..scenarios.paths import Table, table
-from ..scenarios.scenario import Value, checked_number
+from ..scenarios.scenario import checked_number
 from .case import Case, Followed
 from .dataset import estimate_dataset
 from .first_pass import first_pass

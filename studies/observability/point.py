@@ -16,8 +16,8 @@ from ...model.symbols import MUSCLES
 from ...observers.observability import TOLERANCE, Verdict, judge
 from ..files.errors import ScenarioError
 from ..files.quote import shown
+from ..scenarios.layers import Value
 from ..scenarios.prepare import Prepared, prepare
-from ..scenarios.scenario import Value
 from .information import deviations
 from .question import PAPER_SENSORS, SENSORS, Question, ask
 

@@ -15,9 +15,10 @@ from ...observers.score import MEASURES
 from ..files.errors import ScenarioError
 from ..files.quote import shown
 from .grid import time_grid
+from .layers import Value, layers
 from .loops import full_table, paper_loop
 from .paths import Table
-from .scenario import Scenario, Value, choices_in, curves_of, read, scenario, shipped
+from .scenario import Scenario, choices, curves_of, scenario
 
 BASELINE = "baseline"
 
@@ -56,7 +57,7 @@ def prepare(
     """
     if isinstance(observers, str | Block):
         observers = [observers]
-    name, content = read(source)
+    name, stacked = layers(source, changes)
     custom = tuple(block for block in observers or () if isinstance(block, Block))
     chosen = tuple(dict.fromkeys(o.name if isinstance(o, Block) else o for o in (observers or OBSERVERS)))
     known = [*OBSERVERS, *(block.name for block in custom)]
@@ -66,18 +67,8 @@ def prepare(
     taken = {"truth", *(path.partition(".")[0] for path in (*full_table().paths, *full_table().groups()))}
     if clash := [block.name for block in custom if block.name in taken]:
         raise ScenarioError(f"the name {clash[0]!r} is taken; give your observer another one")
-    try:
-        choices_in(content, {})
-    except ScenarioError as error:
-        raise ScenarioError(f"{source}: {error}") from error
-    curves = curves_of(choices_in(content, changes))
-    every = full_table(custom, curves)
-    if str(source) not in shipped():
-        try:
-            scenario(name, content, {}, every)
-        except ScenarioError as error:
-            raise ScenarioError(f"{source}: {error}") from error
-    return assemble(scenario(name, content, changes, every), chosen, custom, quantities, measures)
+    table = full_table(custom, curves_of(choices(stacked)))
+    return assemble(scenario(name, stacked, table), chosen, custom, quantities, measures)
 
 
 def assemble(

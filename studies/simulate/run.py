@@ -10,8 +10,8 @@ import xarray as xr
 
 from ...codegen.batch import compile_loop
 from ...model.block import Block
+from ..scenarios.layers import Value
 from ..scenarios.prepare import BASELINE, Prepared, prepare
-from ..scenarios.scenario import Value
 from .dataset import dataset
 
 Progress = Callable[[float], None]

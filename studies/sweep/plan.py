@@ -22,9 +22,10 @@ from ...observers.score import MEASURES
 from ..files.errors import ScenarioError
 from ..files.quote import shown
 from ..scenarios.grid import time_grid
+from ..scenarios.layers import Value
 from ..scenarios.paths import block_paths
 from ..scenarios.prepare import BASELINE, Prepared, prepare
-from ..scenarios.scenario import Value, checked_number
+from ..scenarios.scenario import checked_number
 from .axes import Axes, Values, axes, combinations
 
 # runs of a part: about two seconds of one core

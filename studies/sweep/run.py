@@ -17,7 +17,7 @@ from ...model.symbols import QUANTITIES
 from ...observers.score import MEASURES
 from ..files.errors import ResultError, ScenarioError
 from ..files.netcdf import LARGEST_RESULT, load, save_netcdf
-from ..scenarios.scenario import Value
+from ..scenarios.layers import Value
 from .axes import Values
 from .computing import Compute, on_threads
 from .dataset import sweep_dataset, width

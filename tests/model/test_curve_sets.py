@@ -20,8 +20,9 @@ from hillobs.model.curves.tabulated import tabulated
 from hillobs.studies.cli.main import commands
 from hillobs.studies.figures.muscle_curves import curve_figure
 from hillobs.studies.files.errors import ScenarioError
+from hillobs.studies.scenarios.layers import Layer, layer
 from hillobs.studies.scenarios.prepare import prepare
-from hillobs.studies.scenarios.scenario import choices_in, curves_of
+from hillobs.studies.scenarios.scenario import choices, curves_of
 from hillobs.studies.simulate.run import simulate
 from millard_tables import fine
 from places import DATA
@@ -373,14 +374,13 @@ def test_two_unlike_muscles_pull_one_mass() -> None:
 
 
 def test_a_scenario_names_the_curves_of_each_muscle() -> None:
-    chosen = choices_in(
-        {"muscle": {"curves": "thelen2003"}, "muscle1": {"curves": "millard2012"}}, {"muscle2.curves": "nguyen2019"}
-    )
-    assert chosen == {"muscle1.curves": "millard2012", "muscle2.curves": "nguyen2019"}
-    # a command line wins over a file, a group too
-    assert set(choices_in({"muscle1": {"curves": "millard2012"}}, {"muscle.curves": "thelen2003"}).values()) == {
-        "thelen2003"
+    file = layer("my.toml", {"muscle": {"curves": "thelen2003"}, "muscle1": {"curves": "millard2012"}})
+    assert choices([file, Layer("", {"muscle2.curves": "nguyen2019"})]) == {
+        "muscle1.curves": "millard2012",
+        "muscle2.curves": "nguyen2019",
     }
+    # a command line wins over a file, a group too
+    assert set(choices([file, Layer("", {"muscle.curves": "thelen2003"})]).values()) == {"thelen2003"}
     assert curves_of({}) is CURVES["nguyen2019"]
 
 

@@ -12,8 +12,9 @@ from ....codegen.toolchain import find_compiler
 from ....model.curves import CURVES
 from ....observers import OBSERVERS
 from ...files.versions import versions
+from ...scenarios.layers import shipped
 from ...scenarios.loops import full_table
-from ...scenarios.scenario import CHOICES, shipped
+from ...scenarios.scenario import CHOICES
 from ...scenarios.show import describe
 
 

@@ -22,8 +22,8 @@ from ...files.numbers import parse_number
 from ...files.quote import shown
 from ...observability.point import Answer, at, start_point
 from ...observability.question import Question, ask
+from ...scenarios.layers import Value
 from ...scenarios.prepare import Prepared, prepare
-from ...scenarios.scenario import Value
 from ...simulate.run import Progress
 from .number import number
 

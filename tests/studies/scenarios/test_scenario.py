@@ -17,10 +17,11 @@ from hillobs.model.block import Block, BlockError, Parameter, Symbols, symbols
 from hillobs.observers.ports import ESTIMATES
 from hillobs.studies.files.errors import ResultError, ScenarioError
 from hillobs.studies.files.quote import shown
+from hillobs.studies.scenarios.layers import Layer, layer, layers, shipped
 from hillobs.studies.scenarios.loops import full_table
 from hillobs.studies.scenarios.paths import block_paths
 from hillobs.studies.scenarios.prepare import prepare
-from hillobs.studies.scenarios.scenario import parse_change, read, scenario, shipped
+from hillobs.studies.scenarios.scenario import Scenario, parse_change, scenario
 from hillobs.studies.scenarios.show import show
 from hillobs.studies.simulate.files import save
 from hillobs.studies.simulate.run import simulate
@@ -28,17 +29,22 @@ from hillobs.studies.simulate.run import simulate
 TABLE = full_table()
 
 
+def document(content: dict[str, Any], changes: dict[str, Any]) -> Scenario:
+    """A document with changes on top."""
+    return scenario("s", [layer("", content), Layer("", changes)], TABLE)
+
+
 def values(*layers: dict[str, object], **changes: float) -> dict[str, float]:
     """All numbers of a document with changes on top."""
     content = layers[0] if layers else {}
-    given_numbers = scenario("s", content, changes, TABLE).given
+    given_numbers = document(content, changes).given
     return {path: TABLE.value(path, given_numbers) for path in TABLE.paths}
 
 
 def test_the_shipped_scenarios_are_valid_and_described() -> None:
     assert list(shipped()) == ["paper-clean", "paper-noisy", "challenge", "slack", "slack-deep", "activation"]
     for name in shipped():
-        assert len(scenario(*read(name), {}, TABLE).description) > 20
+        assert len(scenario(*layers(name, {}), TABLE).description) > 20
 
 
 def test_a_group_sets_its_members_and_a_member_of_the_same_layer_wins() -> None:
@@ -87,6 +93,29 @@ def test_what_show_prints_is_the_same_scenario(name: str, tmp_path: Path) -> Non
     assert ours.attrs["description"] == theirs.attrs["description"]
 
 
+def test_a_file_may_stand_on_a_shipped_scenario(tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text('base = "challenge"\nplant.m = 1.1\n')
+    mine, below = prepare(path, None, {}), prepare("challenge", None, {})
+    assert mine.scenario.given == {**below.scenario.given, "plant.m": 1.1}
+    assert (mine.scenario.name, mine.scenario.description) == ("mine", below.scenario.description)
+    for wrong in ('"my.toml"', "3", '"chalenge"'):
+        path.write_text(f"base = {wrong}\n")
+        with pytest.raises(ScenarioError, match=r"mine\.toml: base must be one of paper-clean, .*, not"):
+            prepare(path, None, {})
+
+
+def test_the_layer_that_is_wrong_is_named(tmp_path: Path) -> None:
+    """What a file gives is wrong whatever is asked for on top of it."""
+    path = tmp_path / "mine.toml"
+    path.write_text("[plant]\nm = 0\n")
+    with pytest.raises(ScenarioError, match=r"^.*mine\.toml: plant\.m must be above 0"):
+        prepare(path, None, {"plant.m": 2.0})
+    path.write_text("[plant]\nm = 1\n")
+    with pytest.raises(ScenarioError, match=r"^plant\.m must be above 0"):
+        prepare(path, None, {"plant.m": 0.0})
+
+
 BAD = [
     ({"plant": {"m": 0}}, r"plant\.m must be above 0, not 0"),
     ({"plant": {"m": True}}, r"plant\.m must be a number, not true"),
@@ -114,7 +143,7 @@ BAD = [
 @pytest.mark.parametrize(("content", "message"), BAD)
 def test_a_wrong_leaf_is_named(content: dict[str, object], message: str) -> None:
     with pytest.raises(ScenarioError, match=message):
-        scenario("s", content, {}, TABLE)
+        document(content, {})
 
 
 @pytest.mark.parametrize(
@@ -201,7 +230,7 @@ def test_any_text_as_a_change_is_a_number_or_a_sentence(text: str) -> None:
     message = ""
     try:
         path, value = parse_change(text)
-        scenario("s", {}, {path: value}, TABLE)
+        document({}, {path: value})
     except ScenarioError as error:
         message = str(error)
     assert message == "" or len(message) > 10
@@ -217,7 +246,7 @@ def test_one_broken_leaf_in_a_valid_document_is_the_one_named(path: str, broken:
         at = at.setdefault(name, {})
     at[key] = broken
     with pytest.raises(ScenarioError) as caught:
-        scenario("s", content, {}, TABLE)
+        document(content, {})
     assert str(caught.value).startswith(f"{path} must be")
 
 
@@ -245,7 +274,7 @@ def test_every_group_sets_all_its_members_and_nothing_else() -> None:
         value = parameter.default * 0.99 + 0.25 * (parameter.default == 0)
         members = TABLE.expand(group)
         assert len(members) == 2
-        assert scenario("s", {}, {group: value}, TABLE).given == dict.fromkeys(members, value)
+        assert document({}, {group: value}).given == dict.fromkeys(members, value)
 
 
 def test_every_leaf_below_its_bound_is_named() -> None:
@@ -255,7 +284,7 @@ def test_every_leaf_below_its_bound_is_named() -> None:
     assert len(bounded) > 80
     for path, parameter in bounded.items():
         with pytest.raises(ScenarioError) as caught:
-            scenario("s", {}, {path: max(parameter.above, parameter.least) - 1.0}, TABLE)
+            document({}, {path: max(parameter.above, parameter.least) - 1.0})
         assert str(caught.value).startswith(f"{path} must be "), path
 
 
@@ -265,7 +294,7 @@ def test_a_key_with_a_slip_of_the_finger_is_named_with_valid_ones(path: str, dat
     at = data.draw(st.integers(0, len(path) - 1))
     wrong = path[:at] + data.draw(st.sampled_from("abkx_.")) + path[at + data.draw(st.booleans()) :]
     try:
-        scenario("s", {}, {wrong: 1.0}, TABLE)
+        document({}, {wrong: 1.0})
     except ScenarioError as error:
         message = str(error)
     else:

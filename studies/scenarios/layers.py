@@ -1,0 +1,117 @@
+"""The layers of a scenario: path → value as written, each with the place that is to blame for it."""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import re
+import tomllib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from importlib import resources
+from pathlib import Path
+
+from ..files.errors import ScenarioError, TomlError
+from ..files.quote import short, shown
+from ..files.toml import read_toml
+
+_SHIPPED = "hillobs.studies.scenarios"
+# the paper's two first, then the harder ones
+_ORDER = ("paper-clean", "paper-noisy", "challenge", "slack", "slack-deep", "activation")
+# the key of a file that names the shipped scenario below it
+_BASE = "base"
+_DEEPEST = 8
+
+# what a result cannot carry: the end of a C string, and halves of characters
+_NO_TEXT = re.compile(r"[\0\ud800-\udfff]")
+
+Value = float | str | bool
+
+
+@dataclass(frozen=True)
+class Layer:
+    """Path → value of each leaf, and where they stand: a scenario or a file, or "" for changes beside it."""
+
+    origin: str
+    leaves: Mapping[str, object]
+
+    @contextlib.contextmanager
+    def blamed(self) -> Iterator[None]:
+        """What is wrong with a leaf is said with the name of the layer."""
+        try:
+            yield
+        except ScenarioError as error:
+            raise ScenarioError(f"{self.origin}: {error}" if self.origin else str(error)) from error
+
+
+@functools.cache
+def shipped() -> Mapping[str, str]:
+    """The scenarios that come with hillobs: name → TOML."""
+    files = [file for file in resources.files(_SHIPPED).iterdir() if file.name.endswith(".toml")]
+    texts = {file.name.removesuffix(".toml"): file.read_text(encoding="utf-8") for file in files}
+    return {name: texts[name] for name in sorted(texts, key=lambda name: (name not in _ORDER, _place(name), name))}
+
+
+def layers(source: str | Path, changes: Mapping[str, Value]) -> tuple[str, list[Layer]]:
+    """Name and layers, the lowest first: of a shipped scenario or of a TOML file with its base, then `changes`.
+
+    ScenarioError if there is no such scenario, or the file cannot be read.
+    """
+    name, top = str(source), Layer("", changes)
+    if name in shipped():
+        return name, [_shipped_layer(name), top]
+    path = Path(name)
+    if path.suffix != ".toml":
+        raise ScenarioError(f"unknown scenario {shown(name)}; there are {', '.join(shipped())}, or name a .toml file")
+    try:
+        content = read_toml(path)
+    except TomlError as error:
+        raise ScenarioError(str(error)) from error
+    base = content.pop(_BASE, None)
+    if base is not None and (not isinstance(base, str) or base not in shipped()):
+        raise ScenarioError(f"{path}: {_BASE} must be one of {', '.join(shipped())}, not {shown(base)}")
+    below = [] if base is None else [_shipped_layer(base)]
+    return text(f"{path}: its name", path.stem), [*below, layer(name, content), top]
+
+
+def layer(origin: str, content: Mapping[str, object]) -> Layer:
+    """The layer of a TOML document. ScenarioError if a leaf is given twice or lies too deep."""
+    leaves: dict[str, object] = {}
+    flat = Layer(origin, leaves)
+    with flat.blamed():
+        leaves |= _leaves(content)
+    return flat
+
+
+def text(path: str, value: object) -> str:
+    """`value` as a text that a result can carry. ScenarioError names `path` if it is none."""
+    if not isinstance(value, str):
+        raise ScenarioError(f"{path} must be a text, not {shown(value)}")
+    if _NO_TEXT.search(value):
+        raise ScenarioError(f"{path} must be a text of whole characters without \\0, not {shown(value)}")
+    return value
+
+
+def _shipped_layer(name: str) -> Layer:
+    return layer(name, tomllib.loads(shipped()[name]))
+
+
+def _leaves(content: Mapping[str, object]) -> dict[str, object]:
+    """Path → value of each leaf of nested tables; an empty table is a leaf."""
+    leaves: dict[str, object] = {}
+    stack = list(content.items())[::-1]
+    while stack:
+        path, value = stack.pop()
+        if path.count(".") > _DEEPEST:
+            raise ScenarioError(f"{shown(path)} is nested too deeply; paths are such as high_gain.muscle1.k")
+        if path in leaves:
+            raise ScenarioError(f"{short(path)} is given twice")
+        if isinstance(value, dict) and value:
+            stack += [(f"{path}.{key}", inner) for key, inner in value.items()][::-1]
+        else:
+            leaves[path] = value
+    return leaves
+
+
+def _place(name: str) -> int:
+    return _ORDER.index(name) if name in _ORDER else len(_ORDER)
