@@ -24,6 +24,8 @@ from pathlib import Path
 
 import platformdirs
 
+from ..model.errors import Error
+
 ABI = 1  # what a library and its caller agree on; raised with each change of the exported functions
 
 MANIFEST_LIMIT = 1_000_000  # bytes
@@ -38,7 +40,7 @@ _private: dict[str, Path] = {}  # reason -> the one private folder of this proce
 _private_guard = threading.Lock()
 
 
-class BuildError(RuntimeError):
+class BuildError(Error, RuntimeError):
     """A library could not be built, stored or loaded; the message says what to do."""
 
 

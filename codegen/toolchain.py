@@ -22,6 +22,7 @@ from pathlib import Path
 from typing import IO, cast
 
 from . import cache
+from .building import building
 from .cache import ABI, BuildError
 from .held import HeldSignals
 
@@ -80,7 +81,8 @@ def build(source: str, description: Mapping[str, object], baseline: str = NATIVE
     key = cache.entry_key({"source": source, "description": description, **circumstances})
 
     def make(folder: Path) -> Path:
-        return compile_library(source, folder, compiler, flags)
+        with building(description, compiler.kind):
+            return compile_library(source, folder, compiler, flags)
 
     return cache.obtain(key, description, make, patience=_timeout() + 60)
 

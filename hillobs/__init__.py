@@ -1,4 +1,13 @@
-"""Observers for a pair of Hill muscles: states, unknown inputs and activations from a position and two forces."""
+"""Observers for a pair of Hill muscles: states, unknown inputs and activations from a position and two forces.
+
+    run = hillobs.simulate("paper-noisy")                       # one scenario, all observers
+    errors = hillobs.sweep("paper-noisy", {"high_gain.eps_h": [0.05, 0.1, 0.2]}, seeds=16)
+    estimates = hillobs.estimate("run.csv", "pair.toml")         # from a recording, in SI
+    hillobs.observability(place={"x3": 1.99}).verdict            # can these sensors see this state?
+
+Results are xarray.Datasets. Your own observer is a `Block`; `conformance(block)` says what is wrong with one.
+What is not listed here is private and may change.
+"""
 
 from __future__ import annotations
 
@@ -7,28 +16,82 @@ from importlib.metadata import version
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from .codegen.cache import BuildError, CacheWarning
+    from .model.block import Block, BlockError, Parameter, Symbols, symbols
+    from .model.errors import Error
     from .studies.conformance import conformance
     from .studies.estimate.run import estimate
+    from .studies.files.errors import ClusterError, RecordingError, ResultError, ScenarioError
+    from .studies.files.netcdf import load
+    from .studies.laboratory.muscles import Muscle, MusclePair, read_muscles
+    from .studies.laboratory.recording import Recording, read_recording
     from .studies.observability.point import observability
-    from .studies.simulate.run import simulate
-    from .studies.sweep.run import sweep
+    from .studies.simulate.run import RunWarning, simulate
+    from .studies.sweep.axes import Range
+    from .studies.sweep.cluster.client import ClusterWarning
+    from .studies.sweep.run import SweepWarning, sweep
 
 __version__ = version("hillobs")
 
-_PLACES = {
-    "conformance": ".studies.conformance",
-    "estimate": ".studies.estimate.run",
-    "observability": ".studies.observability.point",
-    "simulate": ".studies.simulate.run",
-    "sweep": ".studies.sweep.run",
+_NAMES = {
+    ".codegen.cache": ("BuildError", "CacheWarning"),
+    ".model.block": ("Block", "BlockError", "Parameter", "Symbols", "symbols"),
+    ".model.errors": ("Error",),
+    ".studies.conformance": ("conformance",),
+    ".studies.estimate.run": ("estimate",),
+    ".studies.files.errors": ("ClusterError", "RecordingError", "ResultError", "ScenarioError"),
+    ".studies.files.netcdf": ("load",),
+    ".studies.laboratory.muscles": ("Muscle", "MusclePair", "read_muscles"),
+    ".studies.laboratory.recording": ("Recording", "read_recording"),
+    ".studies.observability.point": ("observability",),
+    ".studies.simulate.run": ("RunWarning", "simulate"),
+    ".studies.sweep.axes": ("Range",),
+    ".studies.sweep.cluster.client": ("ClusterWarning",),
+    ".studies.sweep.run": ("SweepWarning", "sweep"),
 }
+_PLACES = {name: module for module, names in _NAMES.items() for name in names}
 
 
 def __getattr__(name: str) -> object:
-    """Heavy modules are imported when they are first used."""
+    """What stands behind a name, imported when it is first used: CasADi and xarray take a second."""
     if name not in _PLACES:
         raise AttributeError(f"module 'hillobs' has no attribute {name!r}; there are {', '.join(__all__)}")
-    return getattr(importlib.import_module(_PLACES[name], __name__), name)
+    globals()[name] = getattr(importlib.import_module(_PLACES[name], __name__), name)
+    return globals()[name]
 
 
-__all__ = ["__version__", "conformance", "estimate", "observability", "simulate", "sweep"]
+def __dir__() -> list[str]:
+    """The public names, for completion and help."""
+    return sorted(__all__)
+
+
+__all__ = [
+    "Block",
+    "BlockError",
+    "BuildError",
+    "CacheWarning",
+    "ClusterError",
+    "ClusterWarning",
+    "Error",
+    "Muscle",
+    "MusclePair",
+    "Parameter",
+    "Range",
+    "Recording",
+    "RecordingError",
+    "ResultError",
+    "RunWarning",
+    "ScenarioError",
+    "SweepWarning",
+    "Symbols",
+    "__version__",
+    "conformance",
+    "estimate",
+    "load",
+    "observability",
+    "read_muscles",
+    "read_recording",
+    "simulate",
+    "sweep",
+    "symbols",
+]

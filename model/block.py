@@ -10,8 +10,10 @@ from typing import Any
 
 import casadi as ca
 
+from .errors import Error
 
-class BlockError(ValueError):
+
+class BlockError(Error, ValueError):
     """A Block or a wiring that cannot be; the sentence names the part and what is valid."""
 
 

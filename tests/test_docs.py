@@ -19,7 +19,7 @@ def test_the_python_examples_run(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_the_commands_exist() -> None:
     used = set(re.findall(r"^    hillobs (\w+)", README, re.MULTILINE))
-    assert used <= set(commands.commands)
+    assert used <= set(commands.list_commands(None))
     assert "Observers for a pair" in CliRunner().invoke(commands, ["--help"]).output
 
 

@@ -7,11 +7,10 @@ from dataclasses import dataclass, replace
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Array
+from ..errors import Error
 from .spline import MOST_STEPS, Node, Spline, powers
-
-Array = NDArray[np.float64]
 
 # how closely a table is followed, of its largest value: the first that needs no more pieces than these
 _TOLERANCES = (1e-6, 1e-5, 1e-4, 1e-3)
@@ -22,7 +21,7 @@ _GENTLEST, _STEEPEST = 0.1, 1.25
 _SAMPLES, _DRAGS, _EXACT = 33, (0.0, 0.1, 1.0), 1e-14
 
 
-class TableError(ValueError):
+class TableError(Error, ValueError):
     """A table that makes no curve; the sentence says what is wrong, and where."""
 
 

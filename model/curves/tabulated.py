@@ -9,8 +9,9 @@ from dataclasses import dataclass, fields
 import casadi as ca
 import numpy as np
 
+from ..arrays import Array
 from .curve_set import CurveSet
-from .fit import Array, Fit, TableError, fit, invertible
+from .fit import Fit, TableError, fit, invertible
 from .normalised import fibre_numbers, normalised, tendon_numbers
 from .spline import Spline
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
+from .reports.number import counted
+
 
 class Pace:
     """Passes progress on, and keeps when the first and the last word of it came."""
@@ -24,4 +26,5 @@ class Pace:
             return []
         (before, start), (after, end) = self._came
         seconds = max(end - start, 1e-9)  # a clock of coarse ticks may stand still
-        return [f"computed {after - before:,} runs in {seconds:.2g} s, {(after - before) / seconds:,.0f} a second"]
+        runs = after - before
+        return [f"computed {counted(runs, 'run')} in {seconds:.2g} s, {runs / seconds:,.0f} a second"]

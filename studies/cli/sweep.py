@@ -9,34 +9,44 @@ import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import FrameType
-from typing import TYPE_CHECKING
 
 import click
+import xarray as xr
 
+from ...model.symbols import QUANTITIES
+from ...observers.score import MEASURES
+from ..figures.sweep.figures import save_sweep_figures
+from ..files.errors import ClusterError, ScenarioError
+from ..files.numbers import whole_number
 from ..files.quote import escaped, shown
-from .terminal import bar, complain, counted, print_table, user_errors
-
-if TYPE_CHECKING:
-    import xarray as xr
+from ..files.writing import writable_folder
+from ..scenarios.layers import Value
+from ..sweep.axes import DESIGNS, Values
+from ..sweep.plan import MANY_RUNS, plan
+from ..sweep.run import engine, sweep_planned
+from .options import observer_option, over_option, scenario_argument, set_option, whole_option
+from .pace import Pace
+from .reports.sweep import notes, optimum
+from .terminal import bar, complain, counted, print_table
 
 _INTERRUPTED, _NUMERICAL = 128, 1
 
 
 @click.command()
-@click.argument("scenario", default="paper-noisy", metavar="[SCENARIO|FILE.toml]")
-@click.option("--over", multiple=True, metavar="PATH=VALUES", help="0.1,0.2 or lin:LOW:HIGH:COUNT or log:….")
-@click.option("--seeds", default="1", show_default=True, metavar="N", help="Runs per point, with the seeds 0 to N − 1.")
+@scenario_argument("paper-noisy")
+@over_option()
+@whole_option("--seeds", 1, "Runs per point, with the seeds 0 to N − 1.", default=1)
 @click.option("--zip", "zipped", is_flag=True, help="The i-th values go together, instead of all combinations.")
 @click.option("--design", metavar="KIND:N", help="N points of a design in the ranges: latin:N or sobol:N.")
-@click.option("--observer", "observers", multiple=True, metavar="NAME", help="Only this observer; may be repeated.")
-@click.option("--set", "settings", multiple=True, metavar="PATH=VALUE", help="Change a number of the scenario.")
+@observer_option()
+@set_option("Change a number of the scenario.")
 @click.option("--out", metavar="FILE.nc", help="Where result and figures go; an unfinished sweep goes on there.")
 @click.option("--quantity", "quantities", multiple=True, metavar="NAME", help="Score x2, Delta, … only; repeatable.")
 @click.option(
     "--measure", "kinds", multiple=True, metavar="NAME", help="Take peak, settling, chattering only; the RMSE always."
 )
 @click.option("--no-figures", is_flag=True, help="Write no figures.")
-@click.option("--workers", metavar="N", help="Threads, or processes of a local cluster; one per core by default.")
+@whole_option("--workers", 1, "Threads, or processes of a local cluster; one per core by default.")
 @click.option("--baseline", metavar="NAME", help="Processors to compile for: this one; for a cluster, a class of them.")
 @click.option(
     "--cluster", metavar="ADDRESS|local", help="Run on the dask scheduler at tls://HOST:PORT, or on one made here."
@@ -44,59 +54,37 @@ _INTERRUPTED, _NUMERICAL = 128, 1
 @click.option("--yes", is_flag=True, help="Do not ask before a very large sweep.")
 def sweep(
     scenario: str,
-    over: tuple[str, ...],
-    seeds: str,
+    over: dict[str, Values],
+    seeds: int,
     zipped: bool,
     design: str | None,
     observers: tuple[str, ...],
-    settings: tuple[str, ...],
+    changes: dict[str, Value],
     out: str | None,
     quantities: tuple[str, ...],
     kinds: tuple[str, ...],
     no_figures: bool,
-    workers: str | None,
+    workers: int | None,
     baseline: str | None,
     cluster: str | None,
     yes: bool,
 ) -> None:
     """Run SCENARIO for all values of some parameters and many seeds; print where the errors are smallest."""
-    with _signals(out) as check, user_errors():
-        from ...model.symbols import QUANTITIES
-        from ...observers.score import MEASURES
-        from ..files.errors import ClusterError, ScenarioError
-        from ..files.numbers import whole_number
-        from ..files.writing import writable_folder
-        from ..scenarios.scenario import parse_change
-        from ..sweep.axes import DESIGNS, parse_axis
-        from ..sweep.plan import MANY_RUNS, plan
-        from ..sweep.run import engine, sweep_planned
-        from .pace import Pace
-        from .reports.sweep import notes, optimum
-
-        axes = dict(parse_axis(text) for text in over)
-        if len(axes) < len(over):
-            raise ScenarioError("a path is given to --over twice")
-        if zipped and design is not None:
-            raise ScenarioError("--zip and --design exclude each other")
-        kind, colon, samples = (("zip:0" if zipped else "grid:0") if design is None else design).partition(":")
-        if design is not None and (kind not in DESIGNS or not colon):
-            raise ScenarioError(f"--design must be {' or '.join(f'{name}:N' for name in DESIGNS)}, not {shown(design)}")
-        wanted = plan(
+    with _signals(out) as check:
+        planned = plan(
             scenario,
-            axes,
-            whole_number("--seeds", seeds, 1),
+            over,
+            seeds,
             list(observers) or None,
-            dict(parse_change(text) for text in settings),
-            kind,
-            whole_number("--design", samples, 0),
+            changes,
+            *_kind(zipped, design),
             quantities or QUANTITIES,
             kinds or MEASURES,
         )
-        if wanted.runs > MANY_RUNS and not yes:
-            raise ScenarioError(f"{wanted.runs:,} runs are more than {MANY_RUNS:,}; say --yes if they are meant")
-        count = None if workers is None else whole_number("--workers", workers, 1)
+        if planned.runs > MANY_RUNS and not yes:
+            raise ScenarioError(f"{planned.runs:,} runs are more than {MANY_RUNS:,}; say --yes if they are meant")
         path = None if out is None else writable_folder(Path(out).parent) / Path(out).name
-        with engine(count, cluster) as (compute, usual), counted("runs", wanted.runs) as advance:
+        with engine(workers, cluster) as (compute, usual), counted("runs", planned.runs) as advance:
             pace = Pace(advance)
 
             def progress(done: int, of: int) -> None:
@@ -104,11 +92,11 @@ def sweep(
                 pace(done, of)
 
             try:
-                dataset = sweep_planned(wanted, path, compute, baseline or usual, progress)
+                dataset = sweep_planned(planned, path, compute, baseline or usual, progress)
             except ClusterError as error:
                 raise ClusterError(f"{error}{_kept(out)}") from error
         for note in (*pace.sentences(), *notes(dataset)):
-            click.echo(note)
+            click.echo(escaped(note))
         print_table(optimum(dataset))
         if path is not None:
             click.echo(_written(dataset, path, no_figures))
@@ -116,13 +104,23 @@ def sweep(
         sys.exit(_NUMERICAL)
 
 
+def _kind(zipped: bool, design: str | None) -> tuple[str, int]:
+    """How the points are made, and how many a design has."""
+    if design is None:
+        return ("zip" if zipped else "grid"), 0
+    if zipped:
+        raise ScenarioError("--zip and --design exclude each other")
+    kind, colon, samples = design.partition(":")
+    if kind not in DESIGNS or not colon:
+        raise ScenarioError(f"--design must be {' or '.join(f'{name}:N' for name in DESIGNS)}, not {shown(design)}")
+    return kind, whole_number("--design", samples, 0)
+
+
 def _written(dataset: xr.Dataset, path: Path, no_figures: bool) -> str:
     """Draw the figures beside the result, and say where both are."""
     written = escaped(f"written to {path}")
     if no_figures:
         return written
-    from ..figures.sweep.figures import save_sweep_figures
-
     with bar("drawing"):
         drawn, sentence = save_sweep_figures(dataset, path.parent, path.stem)
     names = "".join(f", {figure.name} and .pdf" for figure in drawn if figure.suffix == ".png")

@@ -3,85 +3,123 @@
 from __future__ import annotations
 
 import contextlib
+import copy
+import dataclasses
 import sys
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING
 
 import click
+from rich.console import Console
+from rich.markup import escape
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.table import Table
 
+from ...codegen.building import told_of_builds
+from ...codegen.cache import BuildError
+from ...model.errors import Error
 from ..files.quote import escaped
 
-if TYPE_CHECKING:
-    from rich.table import Table
-
 USAGE = 2
-# a narrow terminal may wrap the lines of a table, nothing may cut its numbers
-_TABLE_WIDTH = 120
+# columns of a table in a pipe or a file, where nobody wraps lines
+_PIPE_WIDTH = 120
 
 
 def print_table(table: Table) -> None:
-    """A table and a blank line, through click: rich would end the program when a pipe closes."""
-    from rich.console import Console
+    """A table and a blank line, in pieces side by side as the terminal is wide; no number is cut.
 
+    Through click: rich would end the program when a pipe closes.
+    """
     console = Console()
-    console.width = max(console.width, _TABLE_WIDTH)
-    with console.capture() as text:
-        console.print(table)
-    click.echo(text.get())
+    if not console.is_terminal:
+        console.width = max(console.width, _PIPE_WIDTH)
+    for piece in _pieces(table, console):
+        with console.capture() as text:
+            console.print(piece, crop=False, overflow="ignore")
+        click.echo(text.get())
+
+
+def _pieces(table: Table, console: Console) -> Iterator[Table]:
+    """The table in groups of columns that fit, each beside the first column."""
+    others = table.columns[1:]
+    chosen: list[int] = []
+    for i in range(len(others)):
+        if chosen and _width(_with_columns(table, [*chosen, i]), console) > console.width:
+            yield _with_columns(table, chosen)
+            chosen = []
+        chosen.append(i)
+    yield _with_columns(table, chosen)
+
+
+def _with_columns(table: Table, chosen: list[int]) -> Table:
+    """A table with the first column and those chosen of the others."""
+    part = copy.copy(table)
+    columns = [table.columns[0], *(table.columns[1 + i] for i in chosen)]
+    part.columns = [dataclasses.replace(column, _index=i) for i, column in enumerate(columns)]
+    return part
+
+
+def _width(table: Table, console: Console) -> int:
+    unlimited = console.options.update(max_width=10 * _PIPE_WIDTH)
+    return console.measure(table, options=unlimited).maximum
 
 
 @contextlib.contextmanager
 def bar(what: str) -> Iterator[Callable[[float], None]]:
-    """A progress bar on the terminal's error stream; nothing where there is no terminal."""
-    from rich.console import Console
-    from rich.markup import escape
-    from rich.progress import Progress
-
+    """A progress bar on the terminal's error stream, which says when it compiles; without a terminal only that."""
     with Progress(console=Console(stderr=True), transient=True, disable=not sys.stderr.isatty()) as progress:
         task = progress.add_task(escape(escaped(what)), total=1.0)
-        yield lambda done: progress.update(task, completed=done)
+
+        def building(sentence: str) -> None:
+            progress.update(task, description=escape(sentence) if sentence else escape(escaped(what)))
+
+        with _told(progress, building):
+            yield lambda done: progress.update(task, completed=done)
 
 
 @contextlib.contextmanager
 def counted(unit: str, total: int) -> Iterator[Callable[[int, int], None]]:
-    """A progress bar with rate and remaining time; nothing where there is no terminal."""
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-
+    """The same with rate and remaining time."""
     columns = (
         BarColumn(),
         MofNCompleteColumn(),
-        TextColumn(unit),
+        TextColumn("{task.description}"),
         TextColumn("{task.fields[rate]}"),
         TimeRemainingColumn(),
     )
     with Progress(*columns, console=Console(stderr=True), transient=True, disable=not sys.stderr.isatty()) as progress:
-        task = progress.add_task("", total=total, rate="")
+        task = progress.add_task(unit, total=total, rate="")
 
         def advance(done: int, of: int) -> None:
             speed = progress.tasks[0].speed
             progress.update(task, completed=done, total=of, rate=f"{speed:,.0f}/s" if speed else "")
 
-        yield advance
+        with _told(progress, lambda sentence: progress.update(task, description=escape(sentence) or unit)):
+            yield advance
+
+
+def _told(progress: Progress, building: Callable[[str], None]) -> contextlib.AbstractContextManager[None]:
+    """Compilations are said in the bar, or as a line where there is none."""
+
+    def line(sentence: str) -> None:
+        if sentence:
+            complain(sentence)
+
+    return told_of_builds(line if progress.disable else building)
 
 
 @contextlib.contextmanager
 def user_errors() -> Iterator[None]:
     """A user's mistake as one sentence and exit code 2."""
-    from ...codegen.cache import BuildError
-    from ...model.block import BlockError
-    from ..files.errors import ClusterError, RecordingError, ResultError, ScenarioError
-
     try:
         yield
-    except (ScenarioError, ResultError, RecordingError, BlockError, ClusterError) as error:
+    except BuildError as error:  # the compiler's own words take several lines
+        click.echo("hillobs: " + "\n".join(map(escaped, str(error).splitlines())), err=True)
+        sys.exit(USAGE)
+    except Error as error:
         complain(str(error))
         sys.exit(USAGE)
     except MemoryError as error:  # NumPy says how much it asked for
         complain(f"there is not enough memory. {error}".rstrip(". "))
-        sys.exit(USAGE)
-    except BuildError as error:  # the compiler's own words take several lines
-        click.echo("hillobs: " + "\n".join(map(escaped, str(error).splitlines())), err=True)
         sys.exit(USAGE)
 
 

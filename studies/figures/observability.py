@@ -12,7 +12,7 @@ from ...model.arrays import Array
 from ...model.symbols import SIGNALS
 from ..observability.many import force_and_slope
 from ..observability.map import TENSION, tendon_edges
-from ..observability.point import at
+from ..observability.point import answer
 from ..observability.question import SENSORS, Question
 from . import style
 from .page import settings
@@ -174,7 +174,7 @@ def _deviation_panel(axes: Axes, question: Question, point: dict[str, float], sl
     """The smallest standard deviation of x₃ from samples of a moment."""
     depth = np.geomspace(2e-4, 1, 25) * (end - slack)
     for name, colour, line in (("x3", "black", "-"), ("x4", "0.5", "--")):
-        spread = [at(question, {**point, "x3": slack + d}, window=_MOMENT).deviations[name] for d in depth]
+        spread = [answer(question, {**point, "x3": slack + d}, window=_MOMENT).deviations[name] for d in depth]
         axes.loglog(depth, spread, color=colour, linestyle=line, linewidth=_LINE, label=SIGNALS[name].symbol)
     axes.legend(loc="upper right")
     axes.set_title(rf"smallest $\sigma$ from {_MOMENT:g} time units", fontsize="medium")

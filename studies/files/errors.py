@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
+from ...model.errors import Error
 
-class ScenarioError(ValueError):
+
+class ScenarioError(Error, ValueError):
     """What is wrong with a scenario, a path or a value, in one sentence."""
 
 
-class RecordingError(ValueError):
+class RecordingError(Error, ValueError):
     """A recording or a mapping that cannot be read; the sentence says what is wrong, and where."""
 
 
-class TomlError(ValueError):
+class TomlError(Error, ValueError):
     """A file that cannot be read as TOML; the sentence names it and says why."""
 
 
-class ResultError(ValueError):
+class ResultError(Error, ValueError):
     """A result that cannot be written or read; the sentence says which and why."""
 
 
-class ClusterError(RuntimeError):
+class ClusterError(Error, RuntimeError):
     """A cluster cannot be used or was lost; the message says what to do."""

@@ -31,7 +31,7 @@ def write_csv(path: Path, columns: Sequence[Series]) -> None:
     labels = [column.name if column.unit == "1" else f"{column.name} [{column.unit}]" for column in columns]
     head = io.StringIO()
     csv.writer(head, lineterminator="\n").writerow(labels)
-    write_pieces(path, _pieces(head.getvalue(), columns, ",", _or_empty))
+    write_pieces(path, _pieces(head.getvalue(), columns, ",", or_empty))
 
 
 def write_sto(path: Path, title: str, columns: Sequence[Series]) -> None:
@@ -66,5 +66,6 @@ def _or_nan(value: float) -> str:
     return repr(value).removesuffix(".0")
 
 
-def _or_empty(value: float) -> str:
+def or_empty(value: float) -> str:
+    """The same; NaN is empty."""
     return "" if value != value else _or_nan(value)

@@ -19,7 +19,7 @@ from ..files.quote import shown
 from ..scenarios.layers import Value
 from ..scenarios.prepare import Prepared, prepare
 from .information import deviations
-from .question import PAPER_SENSORS, SENSORS, Question, ask
+from .question import PAPER_SENSORS, SENSORS, Question, pose
 
 # a step either side of the point, as a part of the typical size, and the change of O that is a kink
 _BESIDE, _KINK = 1e-6, 1e-2
@@ -57,11 +57,11 @@ def observability(
     ScenarioError for a wrong scenario, sensor, coordinate or a point outside the domain.
     """
     prepared = prepare(source, None, changes or {})
-    question = ask(prepared, sensors, unknown, order)
+    question = pose(prepared, sensors, unknown, order)
     valid = [*question.block.x, *question.block.u]
     if wrong := [name for name in place or {} if name not in valid]:
         raise ScenarioError(f"no coordinate {shown(wrong[0])}; there are {', '.join(valid)}")
-    return at(question, start_point(prepared) | dict(place or {}))
+    return answer(question, start_point(prepared) | dict(place or {}))
 
 
 def start_point(prepared: Prepared) -> dict[str, float]:
@@ -74,7 +74,7 @@ def start_point(prepared: Prepared) -> dict[str, float]:
     return dict(zip(truth.y, outputs, strict=True))
 
 
-def at(question: Question, point: Mapping[str, float], tolerance: float = TOLERANCE, window: float = 1.0) -> Answer:
+def answer(question: Question, point: Mapping[str, float], tolerance: float = TOLERANCE, window: float = 1.0) -> Answer:
     """The answer at a point: values by name for all coordinates and known inputs; `window` for the accuracy.
 
     ScenarioError outside the domain.

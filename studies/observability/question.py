@@ -83,7 +83,7 @@ class Question:
         return {name: SIGNALS[_DERIVATIVE.sub("", name)].size for name in self.coordinates}
 
 
-def ask(
+def pose(
     prepared: Prepared,
     sensors: Sequence[str] = PAPER_SENSORS,
     unknown: str = "none",

@@ -29,7 +29,7 @@ def tolerance(column: str) -> float:
 
 
 def table(dataset: xr.Dataset) -> dict[str, np.ndarray]:
-    return {name: values for name, _, values in columns(dataset)}
+    return {series.name: series.values for series in columns(dataset)}
 
 
 def test_paper_clean_is_the_independent_solution() -> None:

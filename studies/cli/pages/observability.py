@@ -10,8 +10,8 @@ from ...figures.observability import along_figure, explanation, map_figure
 from ...figures.page import write_figures
 from ...files.writing import write_whole
 from ...observability.map import TENSION, along, over, tendon_edges
-from ...observability.point import Answer, at, start_point
-from ...observability.question import PAPER_SENSORS, UNKNOWNS, Question, ask
+from ...observability.point import Answer, answer, start_point
+from ...observability.question import PAPER_SENSORS, UNKNOWNS, Question, pose
 from ...scenarios.prepare import Prepared, prepare
 from ..reports.number import number
 
@@ -44,12 +44,12 @@ def main() -> None:
     print(text)
     page = PAGE.read_text(encoding="utf-8")
     write_whole(PAGE, with_tables(page, text).encode())
-    question = ask(prepared, unknown="u", order=2)
+    question = pose(prepared, unknown="u", order=2)
     slack = prepare("slack", None, {})
     drawn = {
         "map": map_figure(over(question, ("x3", "x4"), start_point(prepared)), question),
         "tension": map_figure(over(_activations(prepared), ("x1", TENSION), start_point(prepared)), question),
-        "slack": along_figure(along(slack, ask(slack, unknown="u", order=2))),
+        "slack": along_figure(along(slack, pose(slack, unknown="u", order=2))),
         "why": explanation(question, start_point(prepared)),
     }
     paths = [path for path in write_figures(drawn, PAGE.parent, "observability") if path.suffix == ".png"]
@@ -68,7 +68,7 @@ def with_tables(page: str, text: str) -> str:
 def tables(prepared: Prepared) -> str:
     """All tables in Markdown: ranks by question and slackness, sensors, accuracy."""
     conditions = slackness(prepared)
-    questions = {unknown: ask(prepared, unknown=unknown) for unknown in UNKNOWNS}
+    questions = {unknown: pose(prepared, unknown=unknown) for unknown in UNKNOWNS}
     return "\n\n".join(
         [
             _markdown(
@@ -86,7 +86,7 @@ def tables(prepared: Prepared) -> str:
 
 def slackness(prepared: Prepared) -> dict[str, dict[str, float]]:
     """The scenario's start with both tendons taut, one slack, the other slack, both slack."""
-    point, question = start_point(prepared), ask(prepared)
+    point, question = start_point(prepared), pose(prepared)
     slack = {}
     for name, muscle in (("x3", "muscle1"), ("x4", "muscle2")):
         begin, end = tendon_edges(question, muscle)
@@ -100,14 +100,14 @@ def slackness(prepared: Prepared) -> dict[str, dict[str, float]]:
 
 
 def _activations(prepared: Prepared) -> Question:
-    return ask(prepared, unknown="a", order=2)
+    return pose(prepared, unknown="a", order=2)
 
 
 def _rank_rows(
     questions: Mapping[str, Question], conditions: Mapping[str, Mapping[str, float]]
 ) -> Iterator[Sequence[str]]:
     for unknown, question in questions.items():
-        answers = [at(question, point) for point in conditions.values()]
+        answers = [answer(question, point) for point in conditions.values()]
         yield [f"{_QUESTIONS[unknown]}: rank", *(str(answer.verdict.rank) for answer in answers)]
         yield ["… with Lie derivatives up to order 0, 1, 2, 3", *(_by_order(answer) for answer in answers)]
         yield ["… unobservable", *(", ".join(answer.verdict.unobservable) or "–" for answer in answers)]
@@ -116,8 +116,8 @@ def _rank_rows(
 
 def _signal_rows(prepared: Prepared, conditions: Mapping[str, Mapping[str, float]]) -> Iterator[Sequence[str]]:
     """The unknowns as signals: with three Lie derivatives their own up to the second are coordinates."""
-    question = ask(prepared, unknown="u", order=_HIGHEST, derivatives=_HIGHEST - 1)
-    answers = [at(question, point) for point in conditions.values()]
+    question = pose(prepared, unknown="u", order=_HIGHEST, derivatives=_HIGHEST - 1)
+    answers = [answer(question, point) for point in conditions.values()]
     yield [f"Δ, u₁, u₂ unknown signals, n = {len(question.coordinates)}", *(_by_order(answer) for answer in answers)]
 
 
@@ -127,9 +127,9 @@ def _by_order(answer: Answer) -> str:
 
 def _sensor_rows(prepared: Prepared, conditions: Mapping[str, Mapping[str, float]]) -> Iterator[Sequence[str]]:
     for sensors in _SENSOR_SETS:
-        u, a = (ask(prepared, sensors, unknown) for unknown in ("u", "a"))
+        u, a = (pose(prepared, sensors, unknown) for unknown in ("u", "a"))
         places = ((u, "both taut"), (u, "tendon 1 slack"), (a, "both taut"))
-        answers = [at(question, conditions[place]) for question, place in places]
+        answers = [answer(question, conditions[place]) for question, place in places]
         yield [", ".join(sensors), *(_verdict(answer) for answer in answers)]
 
 
@@ -141,7 +141,7 @@ def _verdict(answer: Answer) -> str:
 
 def _accuracy_rows(question: Question, conditions: Mapping[str, Mapping[str, float]]) -> Iterator[Sequence[str]]:
     for name, point in conditions.items():
-        deviations = at(question, point).deviations
+        deviations = answer(question, point).deviations
         yield [name, *("–" if value == float("inf") else number(value) for value in deviations.values())]
 
 

@@ -16,6 +16,7 @@ from ...scenarios.layers import shipped
 from ...scenarios.loops import full_table
 from ...scenarios.scenario import CHOICES
 from ...scenarios.show import describe
+from .number import counted
 
 
 def listing(what: str) -> Iterator[str]:
@@ -39,7 +40,8 @@ def information() -> Iterator[str]:
     except BuildError as error:
         yield f"compiler  {error}"
     cache = describe_cache()
-    yield f"cache     {cache['folder']}: {cache['libraries']} libraries, {cache['bytes']} bytes"
+    libraries = counted(int(str(cache["libraries"])), "library", "libraries")
+    yield f"cache     {cache['folder']}: {libraries}, {cache['bytes']:,} bytes"
     if cache["problem"]:
         yield f"          it {cache['problem']}"
 

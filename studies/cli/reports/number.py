@@ -13,3 +13,8 @@ def number(value: float) -> str:
         mantissa, _, exponent = f"{value:.1e}".partition("e")
         return f"{mantissa}e{int(exponent)}"
     return f"{value:.2g}" if abs(value) < 100 else f"{value:.0f}"
+
+
+def counted(count: int, noun: str, plural: str = "") -> str:
+    """`1 run`, `1,000 runs`."""
+    return f"{count:,} {noun if count == 1 else plural or noun + 's'}"

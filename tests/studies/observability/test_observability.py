@@ -33,8 +33,8 @@ from hillobs.observers.observability import (
 from hillobs.studies.files.errors import ScenarioError
 from hillobs.studies.observability.information import deviations
 from hillobs.studies.observability.map import along, over
-from hillobs.studies.observability.point import at, start_point
-from hillobs.studies.observability.question import ask
+from hillobs.studies.observability.point import answer, start_point
+from hillobs.studies.observability.question import pose
 from hillobs.studies.scenarios.prepare import prepare
 
 Array = NDArray[np.float64]
@@ -478,11 +478,11 @@ def test_at_the_edge_itself_two_orders_see_nothing() -> None:
 
 def test_at_the_edge_both_sides_are_asked_and_the_lower_counts() -> None:
     """At x₃ = 2 the derivatives of O belong to neither side: from the slack one neither x₃ nor u₁ leaves a trace."""
-    question = ask(prepare("paper-clean", None, {}), unknown="u")
-    answer = at(question, {**TAUT, "x2": -0.03, "u1": -0.02, "x3": 2.0})
-    assert answer.kinks == {"x3": (5, 7)}
-    assert (answer.verdict.rank, answer.verdict.unobservable) == (5, ("x3", "u1"))
-    assert at(question, {**TAUT, "x3": 2.018}).kinks == {}
+    question = pose(prepare("paper-clean", None, {}), unknown="u")
+    seen = answer(question, {**TAUT, "x2": -0.03, "u1": -0.02, "x3": 2.0})
+    assert seen.kinks == {"x3": (5, 7)}
+    assert (seen.verdict.rank, seen.verdict.unobservable) == (5, ("x3", "u1"))
+    assert answer(question, {**TAUT, "x3": 2.018}).kinks == {}
 
 
 def test_the_accuracy_is_that_of_a_linear_system_in_closed_form() -> None:
@@ -499,8 +499,8 @@ def test_the_accuracy_is_that_of_a_linear_system_in_closed_form() -> None:
 
 def test_what_leaves_no_trace_has_no_accuracy() -> None:
     """Both tendons slack for good: neither length is known, however long one waits."""
-    question = ask(prepare("paper-clean", None, {}), unknown="u")
-    found = at(question, {**TAUT, "x3": 1.9, "x4": 1.9, "u1": 0.0, "u2": 0.0, "x2": 0.0, "Delta": 0.0}).deviations
+    question = pose(prepare("paper-clean", None, {}), unknown="u")
+    found = answer(question, {**TAUT, "x3": 1.9, "x4": 1.9, "u1": 0.0, "u2": 0.0, "x2": 0.0, "Delta": 0.0}).deviations
     assert {name for name, value in found.items() if np.isinf(value)} == {"x3", "x4", "u1", "u2"}
     assert all(value < 1e-2 for name, value in found.items() if name in ("x1", "x2", "Delta"))
 
@@ -780,19 +780,19 @@ def test_rounding_adds_no_rank() -> None:
 
 def test_two_tendons_at_their_edges_are_as_bad_as_two_slack_ones() -> None:
     for unknown, lost in (("u", 4), ("a", 4)):
-        answer = at(ask(prepare("paper-clean", None, {}), unknown=unknown), {**TAUT, "x3": 2.0, "x4": 2.0})
-        assert len(answer.verdict.unobservable) == lost
-        assert set(answer.kinks) >= {"x3", "x4"}
+        seen = answer(pose(prepare("paper-clean", None, {}), unknown=unknown), {**TAUT, "x3": 2.0, "x4": 2.0})
+        assert len(seen.verdict.unobservable) == lost
+        assert set(seen.kinks) >= {"x3", "x4"}
 
 
 def test_a_steep_slope_is_no_kink() -> None:
     prepared = prepare("challenge", None, {})
-    assert at(ask(prepared, unknown="a"), start_point(prepared)).kinks == {}
+    assert answer(pose(prepared, unknown="a"), start_point(prepared)).kinks == {}
 
 
 def test_a_map_begins_slack_and_takes_the_tolerance() -> None:
     prepared = prepare("paper-clean", None, {})
-    question, point = ask(prepared, unknown="u", order=2), start_point(prepared)
+    question, point = pose(prepared, unknown="u", order=2), start_point(prepared)
     data = over(question, ("x1", "tension"), point, points=24)
     assert (data["rank"].where(data.tension <= 0, drop=True) == 3).all()
     assert (data["rank"].where(data.tension > 0.05, drop=True) == 7).all()
@@ -801,8 +801,8 @@ def test_a_map_begins_slack_and_takes_the_tolerance() -> None:
 
 def test_along_a_run_the_rank_falls_exactly_while_a_tendon_is_slack() -> None:
     prepared = prepare("slack", None, {"duration": 8.0})
-    data = along(prepared, ask(prepared, unknown="u", order=2))
+    data = along(prepared, pose(prepared, unknown="u", order=2))
     slack = (data.taut == 0).sum("muscle")
     np.testing.assert_array_equal(data["rank"], 7 - 2 * slack)
     with pytest.raises(ScenarioError, match="no run to look along: the plant"):
-        along(prepare("paper-clean", None, {"initial.x2": -40.0}), ask(prepared))
+        along(prepare("paper-clean", None, {"initial.x2": -40.0}), pose(prepared))

@@ -1,0 +1,45 @@
+"""`hillobs figures` and `hillobs curves`: drawing without a run."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from ..figures.estimate import save_sheet
+from ..figures.muscle_curves import curve_figure
+from ..figures.page import write_figures
+from ..figures.run import save_figures
+from ..figures.sweep.figures import save_sweep_figures
+from ..files.errors import ResultError
+from ..files.netcdf import load
+from ..files.writing import writable_folder
+from .reports.written import written
+
+
+@click.command()
+@click.argument("result", type=click.Path(path_type=Path))
+@click.option("--out", type=click.Path(path_type=Path), help="Where figures are written; beside RESULT by default.")
+def figures(result: Path, out: Path | None) -> None:
+    """Draw the figures of RESULT.nc, a run, a sweep or estimates, again without a run."""
+    dataset = load(result)
+    # what a run, a sweep and estimates have
+    if not {"x_hat", "failed_at", "activation_hat"} & set(dataset):
+        raise ResultError(f"{result} cannot be drawn: it is no run, no sweep and no estimates")
+    folder = writable_folder(out or result.parent)
+    sentence = ""
+    if "failed_at" in dataset:
+        paths, sentence = save_sweep_figures(dataset, folder, result.stem)
+    else:
+        paths = (save_figures if "x_hat" in dataset else save_sheet)(dataset, folder, result.stem)
+    if sentence:
+        click.echo(sentence)
+    if paths:
+        click.echo(written(paths))
+
+
+@click.command()
+@click.option("--out", type=click.Path(path_type=Path), default=Path("results"), help="Where the figure is written.")
+def curves(out: Path) -> None:
+    """Draw the muscle's curves of every publication side by side; `list curves` describes them."""
+    click.echo(written(write_figures({"sets": curve_figure()}, writable_folder(out), "curves")))

@@ -1,0 +1,125 @@
+"""`hillobs observability`: what some sensors determine at a point, along a run, over a map."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import click
+import xarray as xr
+from matplotlib.figure import Figure
+
+from ...observers.observability import TOLERANCE
+from ..figures.observability import along_figure, map_figure
+from ..figures.page import write_figures
+from ..files.errors import ScenarioError
+from ..files.netcdf import save_netcdf
+from ..files.numbers import parse_number
+from ..files.quote import shown
+from ..files.writing import writable_folder
+from ..observability.map import along as rank_along
+from ..observability.map import axis_ranges, over
+from ..observability.point import answer, start_point
+from ..observability.question import Question, pose
+from ..scenarios.layers import Value
+from ..scenarios.prepare import prepare
+from .options import scenario_argument, set_option, whole_option
+from .reports.observability import answer_as_json, answer_table, details, ranks_along, ranks_over, summary
+from .reports.written import written
+from .terminal import bar, print_table
+
+# a rank that is not full is no failure, but a script must see it
+_DEFICIENT = 1
+# with Lie derivatives up to 2 every unknown constant has appeared in the paper's outputs
+_LEAST_ORDER = 2
+
+
+@click.command()
+@scenario_argument("paper-clean")
+@click.option("--at", "place", metavar="x1=..,x3=..", help="The point; what is not given is the scenario's at τ = 0.")
+@click.option("--outputs", default="x1,F1,F2", show_default=True, help="Sensors: x1, x2, F1, F2, L_C1, L_C2.")
+@click.option("--unknown", default="none", show_default=True, help="Unknown: none, u (Δ, u1, u2) or a (Δ, a1, a2).")
+@whole_option("--signals", 0, "Unknowns as signals: derivatives up to S are unknown too.", default=0, metavar="S")
+@whole_option("--order", 0, "Highest Lie derivative; n − 1 by default (maps, runs: as many as add rank).", metavar="K")
+@click.option("--tolerance", metavar="T", help="Singular values below this part of the largest are 0.")
+@click.option("--along", is_flag=True, help="Rank along the run of the scenario, written to --out.")
+@click.option("--map", "axes", metavar="A,B", help="Rank over two coordinates, such as x3,x4 or x1,tension, to --out.")
+@set_option("Change a number of the scenario.")
+@click.option("--json", "as_json", is_flag=True, help="The answer as JSON.")
+@click.option("--out", default="results", show_default=True, metavar="DIR", help="Where maps and runs are written.")
+def observability(
+    scenario: str,
+    place: str | None,
+    outputs: str,
+    unknown: str,
+    signals: int,
+    order: int | None,
+    tolerance: str | None,
+    along: bool,
+    axes: str | None,
+    changes: dict[str, Value],
+    as_json: bool,
+    out: str,
+) -> None:
+    """Say what these sensors determine at a point of SCENARIO; exit code 0 for full rank, 1 for less."""
+    prepared = prepare(scenario, None, changes)
+    sensors = [name.strip() for name in outputs.split(",") if name.strip()]
+    question = pose(prepared, sensors, unknown, order, signals)
+    limit = _tolerance(tolerance)
+    here = answer(question, start_point(prepared) | _place(place or "", question), limit)
+    names = [] if axes is None else axes.split(",")
+    if axes is not None:
+        axis_ranges(question, names, here.point)
+    folder = Path(out)
+    if along or axes is not None:
+        writable_folder(folder)
+    if as_json:
+        click.echo(answer_as_json(question, here, limit))
+    else:
+        click.echo(summary(question, here) + "\n")
+        print_table(answer_table(question, here))
+        for sentence in details(here, limit):
+            click.echo(sentence)
+    if order is None:
+        # orders beyond those that add rank at the point would only cost the compiler time
+        enough = max(_LEAST_ORDER, here.verdict.ranks.index(here.verdict.rank))
+        question = pose(prepared, sensors, unknown, min(enough, question.order), signals)
+    stem = f"{prepared.scenario.name}-observability"
+    if along:
+        with bar("along the run") as advance:
+            data = rank_along(prepared, question, limit, advance)
+            paths = _write(data, along_figure(data), folder, stem, "along")
+        click.echo(f"along the run, {ranks_along(data)}\n{written(paths)}", err=as_json)
+    if axes is not None:
+        with bar("over the map") as advance:
+            data = over(question, names, here.point, tolerance=limit, progress=advance)
+            paths = _write(data, map_figure(data, question), folder, stem, f"map-{'-'.join(names)}")
+        click.echo(f"over the map, {ranks_over(data)}\n{written(paths)}", err=as_json)
+    sys.exit(0 if here.verdict.full else _DEFICIENT)
+
+
+def _place(typed: str, question: Question) -> dict[str, float]:
+    """`x1=2.7,x3=2.01` as numbers by name."""
+    valid = [*question.block.x, *question.block.u]
+    place: dict[str, float] = {}
+    for part in (part.strip() for part in typed.split(",") if part.strip()):
+        name, equals, value = part.partition("=")
+        if name in place:
+            raise ScenarioError(f"--at gives {name} twice")
+        if not equals or name not in valid:
+            raise ScenarioError(f"--at takes NAME=VALUE with the names {', '.join(valid)}, not {shown(part)}")
+        place[name] = parse_number(f"--at {name}", value)
+    return place
+
+
+def _tolerance(typed: str | None) -> float:
+    limit = TOLERANCE if typed is None else parse_number("--tolerance", typed)
+    if not 0 < limit < 1:
+        raise ScenarioError(f"--tolerance must be between 0 and 1, not {limit:g}")
+    return limit
+
+
+def _write(data: xr.Dataset, figure: Figure, folder: Path, stem: str, key: str) -> list[Path]:
+    path = folder / f"{stem}-{key}.nc"
+    save_netcdf(data, path)
+    return [path, *write_figures({key: figure}, folder, stem)]

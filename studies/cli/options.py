@@ -1,0 +1,118 @@
+"""Options that several commands have: how each is read, and how a shell completes it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import Any, TypeVar
+
+import click
+from click.shell_completion import CompletionItem
+
+from ...observers import OBSERVERS
+from ..files.errors import ScenarioError
+from ..files.numbers import whole_number
+from ..scenarios.layers import Value, shipped
+from ..scenarios.loops import full_table
+from ..scenarios.scenario import CHOICES, parse_change
+from ..sweep.axes import Values, parse_axis
+
+Command = TypeVar("Command", bound=Callable[..., Any])
+Decorator = Callable[[Command], Command]
+
+_SCENARIO = "SCENARIO|FILE.toml"
+
+
+def scenario_argument(default: str | None = None) -> Decorator[Any]:
+    """SCENARIO: a shipped scenario or a TOML file."""
+    word = _SCENARIO if default is None else f"[{_SCENARIO}]"
+    required = default is None
+    return click.argument(
+        "scenario", default=default, required=required, metavar=word, shell_complete=_complete_scenarios
+    )
+
+
+def scenarios_argument() -> Decorator[Any]:
+    """Any number of them: a tuple."""
+    return click.argument("scenarios", nargs=-1, metavar=f"[{_SCENARIO}]...", shell_complete=_complete_scenarios)
+
+
+def observer_option() -> Decorator[Any]:
+    """`--observer`, which may be repeated: a tuple of names."""
+    return click.option(
+        "--observer",
+        "observers",
+        multiple=True,
+        metavar="NAME",
+        shell_complete=_complete_observers,
+        help="Only this observer; may be repeated.",
+    )
+
+
+def set_option(sentence: str) -> Decorator[Any]:
+    """`--set PATH=VALUE`, which may be repeated: a dict; of a path given twice the last counts."""
+    return click.option(
+        "--set",
+        "changes",
+        multiple=True,
+        metavar="PATH=VALUE",
+        callback=_changes,
+        shell_complete=_complete_paths,
+        help=sentence,
+    )
+
+
+def over_option() -> Decorator[Any]:
+    """`--over PATH=VALUES`, which may be repeated: a dict."""
+    return click.option(
+        "--over",
+        multiple=True,
+        metavar="PATH=VALUES",
+        callback=_axes,
+        shell_complete=_complete_paths,
+        help="0.1,0.2 or lin:LOW:HIGH:COUNT or log:….",
+    )
+
+
+def whole_option(
+    name: str, least: int, sentence: str, default: int | None = None, metavar: str = "N"
+) -> Decorator[Any]:
+    """A whole number of at least `least`, strictly: no underscores, no digits of other scripts."""
+
+    def read(ctx: click.Context, param: click.Parameter, typed: str | None) -> int | None:
+        return None if typed is None else whole_number(name, typed, least)
+
+    usual = None if default is None else str(default)
+    return click.option(
+        name, default=usual, show_default=usual is not None, metavar=metavar, callback=read, help=sentence
+    )
+
+
+def _changes(ctx: click.Context, param: click.Parameter, typed: tuple[str, ...]) -> dict[str, Value]:
+    return dict(parse_change(text) for text in typed)
+
+
+def _axes(ctx: click.Context, param: click.Parameter, typed: tuple[str, ...]) -> dict[str, Values]:
+    axes = dict(parse_axis(text) for text in typed)
+    if len(axes) < len(typed):
+        raise ScenarioError("a path is given to --over twice")
+    return axes
+
+
+def _complete_scenarios(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
+    return [*_beginning(shipped(), incomplete), CompletionItem(incomplete, type="file")]
+
+
+def _complete_observers(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
+    return _beginning(OBSERVERS, incomplete)
+
+
+def _complete_paths(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
+    path, equals, _ = incomplete.partition("=")
+    if equals:
+        return _beginning((f"{path}={value}" for value in CHOICES.get(path, ())), incomplete)
+    table = full_table()
+    return _beginning((f"{known}=" for known in (*CHOICES, *table.groups(), *table.paths)), incomplete)
+
+
+def _beginning(words: Iterable[str], incomplete: str) -> list[CompletionItem]:
+    return [CompletionItem(word) for word in words if word.startswith(incomplete)]

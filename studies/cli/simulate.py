@@ -1,0 +1,79 @@
+"""`hillobs simulate`: one run of each scenario."""
+
+from __future__ import annotations
+
+import sys
+import warnings
+from pathlib import Path
+
+import click
+import xarray as xr
+
+from ..figures.run import save_figures
+from ..files.quote import escaped
+from ..files.writing import writable_folder
+from ..scenarios.layers import Value
+from ..scenarios.prepare import prepare
+from ..scenarios.scenario import parse_change
+from ..simulate.files import refuse_same_names, save
+from ..simulate.run import RunWarning, simulate_prepared
+from .options import observer_option, scenarios_argument, set_option
+from .reports.simulate import failures, notes, tables
+from .reports.written import written
+from .terminal import bar, complain, print_table
+
+_NUMERICAL = 1
+_PAPER = ("paper-clean", "paper-noisy")
+
+
+@click.command()
+@scenarios_argument()
+@observer_option()
+@set_option("Change a number, e.g. plant.m=1.2.")
+@click.option("--seed", metavar="N", help="Seed of the measurement noise.")
+@click.option("--step", metavar="H", help="Integration step.")
+@click.option("--out", default="results", show_default=True, metavar="DIR", help="Where results are written.")
+@click.option("--no-figures", is_flag=True, help="Write no figures.")
+def simulate(
+    scenarios: tuple[str, ...],
+    observers: tuple[str, ...],
+    changes: dict[str, Value],
+    seed: str | None,
+    step: str | None,
+    out: str,
+    no_figures: bool,
+) -> None:
+    """Simulate scenarios (the paper's two by default), print their measures, write results and figures."""
+    for path, typed in (("seed", seed), ("step", step)):
+        if typed is not None:
+            changes |= dict([parse_change(f"{path}={typed}")])
+    runs = [prepare(name, list(observers) or None, changes) for name in scenarios or _PAPER]
+    refuse_same_names([prepared.scenario.name for prepared in runs])
+    folder = writable_folder(Path(out))
+    failed = False
+    for prepared in runs:
+        name = prepared.scenario.name
+        with bar(f"{name}: simulating") as advance, warnings.catch_warnings():
+            warnings.simplefilter("ignore", RunWarning)  # its reason is printed below
+            dataset = simulate_prepared(prepared, advance)
+        paths = save(dataset, folder)
+        if not no_figures:
+            with bar(f"{name}: drawing"):
+                paths += save_figures(dataset, folder, name)
+        _print_report(dataset)
+        click.echo(written(paths) + "\n")
+        for sentence in failures(dataset):
+            complain(sentence)
+            failed = True
+    if failed:
+        sys.exit(_NUMERICAL)
+
+
+def _print_report(dataset: xr.Dataset) -> None:
+    about = dataset.attrs
+    click.echo(escaped(f"{about['scenario']}, seed {about['seed']}: {about['description']}") + "\n")
+    for title, table in tables(dataset):
+        click.echo(title)
+        print_table(table)
+    for note in notes(dataset):
+        click.echo(note)
