@@ -13,7 +13,7 @@ from .conditions import RK4_LIMIT, Condition, above, below, between, equal, posi
 from .correction import layers_corrected
 from .ports import SENSED, START, estimates, output_errors, start
 
-_PAPER, _CHOSEN, _OURS = "paper, §V", "chosen, spec §6", "docs/gains.md"
+_PAPER, _CHOSEN, _OURS = "paper, §V", "chosen, docs/observers.md#choices-and-guards", "docs/gains.md"
 _BETA0 = 1.1
 
 PARAMETERS = {
