@@ -14,7 +14,7 @@ def given_activations() -> Block:
     """a_j = offset + amplitude sin(frequency τ). Outputs a1, a2."""
     u = symbols("t")
     parameters: dict[str, Parameters] = {
-        name: signal(offset, amplitude, _FREQUENCY, f"a{name[-1]}", "chosen, spec §8")
+        name: signal(offset, amplitude, _FREQUENCY, f"a{name[-1]}", "chosen, docs/model.md#scenarios")
         for name, (offset, amplitude) in _DEFAULTS.items()
     }
     flat = {f"{name}.{key}": value for name, numbers in parameters.items() for key, value in numbers.items()}

@@ -18,10 +18,12 @@ PARAMETERS = {
     "R": Parameter(
         30.0, "weight of the force in the LQR problem behind K and P", "derived, docs/errata.md C7", above=0
     ),
-    "k_c": Parameter(0.0, "gain of the pretension; 0 is the paper's law", "chosen, spec §5", least=0),
-    "F_c": Parameter(0.2, "mean tendon force that the pretension holds", "chosen, spec §5", least=0),
-    "u_max": Parameter(0.9, "limit of |u_j|", "chosen, spec §5", above=0, below=1),
-    "Delta_min": Parameter(1e-9, "floor of Φ′²_S1 + Φ′²_S2 when both tendons are slack", "chosen, spec §5", above=0),
+    "k_c": Parameter(0.0, "gain of the pretension; 0 is the paper's law", "chosen, docs/model.md#pretension", least=0),
+    "F_c": Parameter(0.2, "mean tendon force that the pretension holds", "chosen, docs/model.md#pretension", least=0),
+    "u_max": Parameter(0.9, "limit of |u_j|", "chosen, docs/model.md#limits", above=0, below=1),
+    "Delta_min": Parameter(
+        1e-9, "floor of Φ′²_S1 + Φ′²_S2 when both tendons are slack", "chosen, docs/model.md#limits", above=0
+    ),
     "m": MASS,
 }
 

@@ -9,9 +9,11 @@ from .curves import CurveSet
 from .dialect import clamp, outside
 
 ACTIVATION_LIMITS: Parameters = {
-    "a_min": Parameter(0.01, "smallest activation that a muscle can be given", "chosen, spec §3", above=0, below=1),
+    "a_min": Parameter(
+        0.01, "smallest activation that a muscle can be given", "chosen, docs/model.md#drives", above=0, below=1
+    ),
     "z_max": Parameter(
-        1.45, "largest force factor z: g(−0.9), below the pole g_max", "chosen, spec §3", above=1, most=100
+        1.45, "largest force factor z: g(−0.9), below the pole g_max", "chosen, docs/model.md#drives", above=1, most=100
     ),
 }
 
@@ -63,7 +65,7 @@ def _block(
     guards: Symbols,
 ) -> Block:
     L_S0 = ca.SX.sym("L_S0")
-    start = {"L_S0": Parameter(2.018, "tendon length at the start", "chosen, spec §3", above=0)}
+    start = {"L_S0": Parameter(2.018, "tendon length at the start", "chosen, docs/model.md#start", above=0)}
     return Block(
         "muscle",
         x=x,

@@ -11,7 +11,8 @@ def pulses() -> Block:
     """Inputs u1 and the held gates of the pulses (0 or 1); output u1 with the pulses added."""
     u = symbols(["u1", *PULSES])
     parameters: Parameters = {
-        f"{name}.amplitude": Parameter(0.0, f"height of {name} on u1", "chosen, spec §8") for name in PULSES
+        f"{name}.amplitude": Parameter(0.0, f"height of {name} on u1", "chosen, docs/model.md#scenarios")
+        for name in PULSES
     }
     p = symbols(parameters)
     total = u.u1

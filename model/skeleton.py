@@ -7,7 +7,7 @@ import casadi as ca
 from .block import Block, Parameter, Symbols, symbols
 from .symbols import MUSCLES
 
-MASS = Parameter(1.0, "mass of the load", "chosen, spec §3", above=0, shared="plant.m")
+MASS = Parameter(1.0, "mass of the load", "paper, §V", above=0, shared="plant.m")
 LENGTH = Parameter(5.54, "L_m1 + L_m2, the distance between the origins", "paper, §V", above=0, shared="plant.C")
 
 # R: muscle 1 pulls the mass to the left, muscle 2 to the right
@@ -27,8 +27,8 @@ def mass() -> Block:
     parameters = {
         "m": MASS,
         "C": LENGTH,
-        "q0": Parameter(2.6, "position at the start", "chosen, spec §3"),
-        "dq0": Parameter(0.0, "velocity at the start", "chosen, spec §3"),
+        "q0": Parameter(2.6, "position at the start", "chosen, docs/model.md#start"),
+        "dq0": Parameter(0.0, "velocity at the start", "chosen, docs/model.md#start"),
     }
     p = symbols(parameters)
     # R F

@@ -9,7 +9,7 @@ from ..model.skeleton import LENGTH, lengths
 from ..model.symbols import MUSCLES
 from .ports import ESTIMATES
 
-_CHOSEN = "chosen, spec §2"
+_CHOSEN = "chosen, docs/observers.md#activations"
 
 LIMITS: Parameters = {
     "u_low": Parameter(-5.0, "smallest û_j that the activation is computed with, in l_opt·v_max", _CHOSEN, below=0),

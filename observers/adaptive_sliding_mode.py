@@ -13,7 +13,7 @@ from .conditions import RK4_LIMIT, Condition, above, below, between, equal, posi
 from .correction import layers_corrected
 from .ports import SENSED, START, estimates, output_errors, start
 
-_PAPER, _CHOSEN, _OURS = "paper, §V", "chosen, spec §6", "docs/gains.md"
+_PAPER, _CHOSEN, _OURS = "paper, §V", "chosen, docs/observers.md#choices-and-guards", "docs/gains.md"
 _BETA0 = 1.1
 
 PARAMETERS = {
@@ -121,7 +121,7 @@ def adaptive_sliding_mode(corrected: bool = False) -> Block:
 
 def _gain(k: ca.SX, r: ca.SX, u_hat: ca.SX, j: int, p: Symbols) -> tuple[ca.SX, ca.SX, ca.SX]:
     """k̇_j, ṙ_aj, and 0 where the projection holds k_j, else 1."""
-    # d_j = k_j − |û_j|/α_aj − ε_aj   [deltaa]
+    # d_j = k_j − |û_j|/α_aj − ε_aj   has no label, it stands before [uj]
     d = k - ca.fabs(u_hat) / p[f"alpha_a{j}"] - p[f"eps_a{j}"]
     # k̇_j = −(r₀j + r_aj) sg(d_j)   [kj], [rhoaj]; a projection on [0, k_max]
     rate = -(p[f"r0{j}"] + r) * sg(d, p.delta_a)

@@ -7,7 +7,9 @@ import casadi as ca
 from ..model.block import Block, Parameter, Symbols, symbols
 
 PARAMETERS = {
-    "Delta": Parameter(0.005, "Δ̂: the mean of the uncertainty", "spec §8", shared="uncertainty.offset"),
+    "Delta": Parameter(
+        0.005, "Δ̂: the mean of the uncertainty", "chosen, docs/observers.md#baseline", shared="uncertainty.offset"
+    ),
 }
 
 

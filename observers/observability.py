@@ -14,7 +14,7 @@ from ..model.block import Block, BlockError, Symbols, symbols
 
 Array = NDArray[np.float64]
 
-# singular values below this part of the largest are zero (spec §10)
+# singular values below this part of the largest are zero (docs/observers.md#observability)
 TOLERANCE = 1e-9
 # what cancellation leaves of a Lie derivative that vanishes
 _ROUNDING = 1e-13

@@ -17,7 +17,7 @@ _START = dict(zip(STATES, (2.62, 0.0, 2.01, 2.01), strict=True))
 
 START: Parameters = {
     f"initial.{hat(x)}": Parameter(
-        value, f"estimate of {x} at the start", "chosen, spec §6", shared=f"initial.{hat(x)}"
+        value, f"estimate of {x} at the start", "chosen, docs/observers.md#start", shared=f"initial.{hat(x)}"
     )
     for x, value in _START.items()
 }

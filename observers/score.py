@@ -1,4 +1,4 @@
-"""The error sums of one observer against the truth, taken at every grid point (spec §9)."""
+"""The error sums of one observer against the truth, taken at every grid point (docs/model.md#measures)."""
 
 from __future__ import annotations
 
@@ -39,7 +39,10 @@ def score(quantities: Sequence[str] = QUANTITIES, measures: Sequence[str] = MEAS
     estimate, flags = symbols(hat(name) for name in quantities), symbols("t window")
     parameters = {
         f"tolerance.{name}": Parameter(
-            SIGNALS[name].tolerance, f"error of {name} that counts as settled", "spec §9", above=0
+            SIGNALS[name].tolerance,
+            f"error of {name} that counts as settled",
+            "chosen, docs/model.md#measures",
+            above=0,
         )
         for name in quantities
         if "settling" in measures

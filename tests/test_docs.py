@@ -1,28 +1,172 @@
-"""The README's Python runs as printed, and its commands are those that exist."""
+"""The Python of all pages runs as printed, their commands parse, their links lead somewhere, and they are shipped."""
 
+import gzip
 import re
+import shlex
+import tomllib
+from fnmatch import fnmatch
+from pathlib import Path
 
+import click
+import matplotlib.pyplot as plt
 import pytest
-from click.testing import CliRunner
 
+from hillobs.model.curves import NGUYEN2019, THELEN2003
 from hillobs.studies.cli.main import commands
-from places import ROOT
+from hillobs.studies.files.pages import documentation
+from hillobs.studies.scenarios.loops import full_table
+from places import DOCS, FENCED, RECORDINGS, ROOT, anchors
 
-README = (ROOT / "README.md").read_text(encoding="utf-8")
+README = ROOT / "README.md"
+PAGES = [README, *sorted(DOCS.glob("*.md"))]
+# pages in other folders, for their links and commands
+OTHERS = [
+    ROOT / "CHANGELOG.md",
+    ROOT / "SECURITY.md",
+    ROOT / "build" / "README.md",
+    ROOT / "codegen" / "kernel" / "README.md",
+    RECORDINGS / "README.md",
+    ROOT / "tests" / "data" / "README.md",
+]
 
 
-def test_the_python_examples_run(capsys: pytest.CaptureFixture[str]) -> None:
-    code = "\n".join(re.findall(r"```python\n(.*?)```", README, re.DOTALL))
-    exec(compile(code, "README.md", "exec"), {})  # noqa: S102  the README is ours
-    assert capsys.readouterr().out.strip().endswith("conforms")
+def python_of(page: Path) -> str:
+    return "\n".join(re.findall(r"^```python\n(.*?)^```", page.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE))
 
 
-def test_the_commands_exist() -> None:
-    used = set(re.findall(r"^    hillobs (\w+)", README, re.MULTILINE))
-    assert used <= set(commands.list_commands(None))
-    assert "Observers for a pair" in CliRunner().invoke(commands, ["--help"]).output
+def pages_with_python() -> list[Path]:
+    return [page for page in PAGES if python_of(page)]
 
 
-def test_the_links_lead_somewhere() -> None:
-    for target in re.findall(r"\]\((?!http)([^)#]+)\)", README):
-        assert (ROOT / target).exists(), target
+@pytest.fixture
+def desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A reader's folder: the sources, and a recording and its muscles under the names that pages give theirs."""
+    (tmp_path / "studies").symlink_to(ROOT / "studies")
+    with gzip.open(RECORDINGS / "dgf_smooth_noisy.csv.gz", "rt", encoding="utf-8") as file:
+        table = [line.rstrip("\n").split(",") for line in file]
+    at = table[0].index("position_measured")
+    table[0][at] = "block x"
+    for row in table[1:]:
+        row[at] = str(float(row[at]) * 1e3)  # millimetres, as the pages say
+    (tmp_path / "run.csv").write_text("\n".join(map(",".join, table)), encoding="utf-8")
+    (tmp_path / "hour.csv.gz").symlink_to(RECORDINGS / "dgf_smooth_noisy.csv.gz")
+    (tmp_path / "pair.toml").symlink_to(RECORDINGS / "dgf_smooth.toml")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.mark.parametrize("page", pages_with_python(), ids=lambda page: page.name)
+def test_the_python_of_a_page_runs(page: Path, desk: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    exec(compile(python_of(page), page.name, "exec"), {})  # noqa: S102  the pages are ours
+    plt.close("all")
+    if page == README:
+        assert capsys.readouterr().out.strip().endswith("conforms")
+
+
+# ---------------------------------------------------------------- commands
+
+# on a line of its own, and within a sentence
+SHOWN = re.compile(r"^ {4}(?:\.venv/bin/)?hillobs( .*)?$", re.MULTILINE)
+SHELL = re.compile(r"^```(?:sh|bash|console)\n(.*?)^```", re.DOTALL | re.MULTILINE)
+NAMED = re.compile(r"`(?:\.venv/bin/)?hillobs ([^`]+)`")
+
+
+def arguments(line: str) -> list[str]:
+    """The words after `hillobs`, without remarks, optional words in brackets and the file that the shell writes."""
+    given = shlex.split(line, comments=True)
+    given = given[: given.index(">")] if ">" in given else given
+    return [word for word in given if not word.startswith("[")]
+
+
+def command_of(name: str) -> click.Command:
+    command = commands.get_command(click.Context(commands), name)
+    assert command is not None, f"there is no `hillobs {name}`"
+    return command
+
+
+def parsed(given: list[str]) -> click.Context:
+    """The command as click understands it; click.UsageError if it does not."""
+    name, *rest = given
+    return command_of(name).make_context(name, rest, parent=click.Context(commands))
+
+
+def commands_of(page: Path) -> list[list[str]]:
+    text = page.read_text(encoding="utf-8").replace("\\\n", " ")
+    shells = "\n".join(f"    {line.removeprefix('$ ')}" for shell in SHELL.findall(text) for line in shell.split("\n"))
+    return [given for given in map(arguments, SHOWN.findall(f"{FENCED.sub('', text)}\n{shells}")) if given]
+
+
+@pytest.mark.parametrize("page", [*PAGES, *OTHERS], ids=lambda page: str(page.relative_to(ROOT)))
+def test_the_commands_of_a_page_exist_with_their_options(page: Path, desk: Path) -> None:
+    for given in commands_of(page):
+        parsed(given)
+    for line in NAMED.findall(page.read_text(encoding="utf-8")):
+        name, *rest = arguments(" ".join(line.split()))
+        options = {
+            option for parameter in command_of(name).params for option in (*parameter.opts, *parameter.secondary_opts)
+        }
+        assert {word.partition("=")[0] for word in rest if word.startswith("-")} <= options | {"--help"}, line
+
+
+def test_the_numbers_that_shown_commands_change_exist() -> None:
+    paths = {"seed", "muscle.curves", "muscle1.curves", "muscle2.curves", "plant.drive"}
+    for curves in (NGUYEN2019, THELEN2003):
+        paths |= full_table((), curves).paths.keys() | full_table((), curves).groups().keys()
+    text = "\n".join(page.read_text(encoding="utf-8") for page in (*PAGES, *OTHERS))
+    changed = set(re.findall(r"--(?:set|over|zip|design) +([a-z_]\w*(?:\.\w+)*)=", text))
+    assert len(changed) > 5
+    assert changed <= paths
+
+
+def test_a_wrong_command_is_found() -> None:
+    with pytest.raises(AssertionError, match="no `hillobs nonsense`"):
+        parsed(["nonsense"])
+    with pytest.raises(click.UsageError, match="--nonsense"):
+        parsed(arguments("simulate paper-clean --nonsense 3  # a remark"))
+
+
+def test_the_targets_of_make_that_pages_name_exist() -> None:
+    targets = set(re.findall(r"^([a-z]+):", (ROOT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE))
+    text = "\n".join(page.read_text(encoding="utf-8") for page in (*PAGES, *OTHERS))
+    assert set(re.findall(r"(?:`|^    )make ([a-z]+)", text, re.MULTILINE)) <= targets
+
+
+# ---------------------------------------------------------------- links
+
+
+def links(page: Path) -> list[str]:
+    """The targets of links and pictures that are not elsewhere."""
+    found = re.findall(r"\]\(([^)\s]+)\)", FENCED.sub("", page.read_text(encoding="utf-8")))
+    return [target for target in found if not re.match(r"[a-z]+:", target)]
+
+
+@pytest.mark.parametrize("page", [*PAGES, *OTHERS], ids=lambda page: str(page.relative_to(ROOT)))
+def test_the_links_of_a_page_lead_somewhere(page: Path) -> None:
+    for target in links(page):
+        path, _, anchor = target.partition("#")
+        there = page.parent / path if path else page
+        assert there.exists(), target
+        assert not anchor or anchor in anchors(there), target
+
+
+# ---------------------------------------------------------------- an installed copy
+
+
+def test_the_documentation_is_where_an_installed_copy_looks_for_it() -> None:
+    assert documentation() == DOCS
+    assert {"model.md", "observers.md", "errata.md"} <= {path.name for path in documentation().iterdir()}
+
+
+def test_an_installed_copy_has_all_pages_and_their_pictures() -> None:
+    settings = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["setuptools"]
+    assert settings["package-dir"]["hillobs.docs"] == DOCS.name
+    assert "hillobs.docs" in settings["packages"]
+    patterns = settings["package-data"]["hillobs.docs"]
+    pages = sorted(DOCS.glob("*.md"))
+    pictures = {(page.parent / link).name for page in pages for link in links(page) if link.endswith(".png")}
+    missing = [
+        name
+        for name in (*(page.name for page in pages), *pictures)
+        if not any(fnmatch(name, pattern) for pattern in patterns)
+    ]
+    assert missing == []

@@ -13,14 +13,16 @@ from ...model.symbols import MUSCLES
 from ..files.errors import ScenarioError
 from ..files.quote import short, shown
 
-_CHOSEN = "chosen, spec §8"
+_CHOSEN = "chosen, docs/model.md#scenarios"
 
 # numbers of the run itself; everything else is a parameter of a Block
 RUN: Mapping[str, Parameter] = {
     "duration": Parameter(20.0, "length of the run", "paper, §V", above=0),
-    "step": Parameter(5e-4, "integration step of RK4; divides noise.period and record", _CHOSEN, above=0),
-    "record": Parameter(0.01, "time between recorded points", _CHOSEN, above=0),
-    "score.start": Parameter(2.0, "errors count from here on", "spec §9", least=0),
+    "step": Parameter(
+        5e-4, "integration step of RK4; divides noise.period and record", "chosen, docs/model.md#integration", above=0
+    ),
+    "record": Parameter(0.01, "time between recorded points", "chosen, docs/model.md#integration", above=0),
+    "score.start": Parameter(2.0, "errors count from here on", "chosen, docs/model.md#measures", least=0),
     "noise.period": Parameter(
         0.005, "T_s, how long a noise sample is held; 0 switches the noise off", "paper", least=0
     ),

@@ -264,7 +264,7 @@ def test_the_adaptive_observer_survives_ten_times_the_noise() -> None:
     assert float(dataset.adaptive_sliding_mode_r_a0.max()) <= 20.2  # r_max, and one step beyond
 
 
-# estimation-limit.md §1, noisy: medians of 12 seeds; the spread of one seed about them is ±12 % (spec §9)
+# medians of 12 seeds by another program of the same equations; a single seed is within ±12 % of them
 LIMIT = {
     "high_gain": (1.82e-4, 1.68e-3, 9.2e-5, 1.06e-4, 5.55e-3, 7.2e-4, 6.8e-4, 7.0e-3, 1.72e-3),
     "sliding_mode": (2.29e-4, 4.73e-3, 5.8e-5, 1.28e-4, 1.98e-2, 4.93e-3, 4.91e-3, 1.52e-2, 1.39e-3),
@@ -282,7 +282,7 @@ def test_paper_noisy_has_the_measured_errors() -> None:
     assert (rmse.sel(estimator=list(LIMIT)) > rmse.sel(estimator="baseline")).all()
 
 
-# spec §13: x2, Δ, u1, a1, a2
+# the same for five seeds: x2, Δ, u1, a1, a2
 CHALLENGE = {
     "high_gain": (1.85e-3, 9.9e-3, 2.47e-2, 8.7e-2, 8.3e-2),
     "sliding_mode": (1.38e-2, 2.53e-2, 1.41e-2, 2.8e-2, 3.7e-2),

@@ -1,5 +1,6 @@
 """The corrections proved: identities of the equations at random points, and the study's own numbers."""
 
+import math
 import re
 from collections.abc import Mapping
 from fractions import Fraction
@@ -7,9 +8,11 @@ from fractions import Fraction
 import casadi as ca
 import numpy as np
 import pytest
+from scipy.linalg import expm
 
-from hillobs.model.backstepping import backstepping, riccati
+from hillobs.model.backstepping import PARAMETERS, backstepping, riccati
 from hillobs.model.block import Block, Symbols
+from hillobs.model.closed_loop import closed_loop
 from hillobs.model.curves import NGUYEN2019, NGUYEN2019_PRINTED
 from hillobs.model.dialect import root, sg
 from hillobs.model.pair import pair
@@ -20,6 +23,7 @@ from hillobs.observers.sliding_mode import sliding_mode
 from hillobs.studies.cli.reports.errata import tables
 from hillobs.studies.errata import printed
 from hillobs.studies.errata import run as study
+from hillobs.studies.simulate.run import simulate
 
 POINTS = 200
 CONTROLLER, OBSERVER = tuple(printed.CONTROLLER), tuple(printed.OBSERVER)
@@ -236,6 +240,62 @@ def test_lyapunov_function_decreases_with_the_corrected_controller_only():
     assert lyapunov_gap(as_printed, dict.fromkeys(CONTROLLER, 0.0)) > 0.1
     for name in CONTROLLER:
         assert lyapunov_gap(as_printed, {**corrected, name: 0.0}) > 0.1, name
+
+
+def error_dynamics() -> np.ndarray:
+    """M of d/dτ (e, w) = M (e, w), with the controller's default numbers."""
+    p = Symbols({name: ca.SX(parameter.default) for name, parameter in PARAMETERS.items()})
+    K, P = (np.array(ca.DM(matrix)) for matrix in riccati(p))
+    m, gamma = float(p.m), float(p.gamma)
+    A, B = np.array([[0.0, 1.0], [0.0, 0.0]]), np.array([[0.0], [1 / m]])
+    return np.block([[A - B @ K, B], [-B.T @ P, -gamma * np.eye(1)]])
+
+
+# of (e, w) together, docs/errata.md C11
+POLES = np.array([-0.8717 - 6.0665j, -0.8717 + 6.0665j, -0.4765])
+
+
+def test_the_poles_of_the_closed_loop_are_those_of_tracking_error_and_force_error_together():
+    loop = closed_loop()
+    # a reference and an uncertainty at rest, so that the loop has an equilibrium
+    numbers = {name: parameter.default for name, parameter in loop.parameters.items()}
+    numbers |= {"reference.amplitude": 0.0, "uncertainty.amplitude": 0.0}
+    p = Symbols({name: ca.SX(parameter.default) for name, parameter in NGUYEN2019.tendon.items()})
+    # Φ_S2 = Φ_S1 − mΔ_Φ,  m = 1
+    x3 = 2.018
+    x4 = float(ca.evalf(NGUYEN2019.Phi_S_inv(NGUYEN2019.Phi_S(ca.SX(x3), p) - numbers["uncertainty.offset"], p)))
+    f = Symbols({name: loop.dx[name] for name in loop.x}).vector()
+    arguments = [loop.x.vector(), loop.u.vector(), loop.p.vector()]
+    linearised = ca.Function("linearised", arguments, [f, ca.jacobian(f, loop.x.vector())])
+    rest, jacobian = linearised(
+        [numbers["reference.offset"], 0, x3, x4], np.zeros(len(loop.u)), [numbers[name] for name in loop.p]
+    )
+    np.testing.assert_allclose(np.array(rest), 0, atol=1e-14)
+    poles = np.sort_complex(np.linalg.eigvals(np.array(jacobian)))
+    # the fourth direction is common tension, which the paper's law leaves as it is
+    np.testing.assert_allclose(poles, [*POLES, 0], atol=1e-4)
+    np.testing.assert_allclose(np.sort_complex(np.linalg.eigvals(error_dynamics())), POLES, atol=1e-4)
+    alone = np.linalg.eigvals(error_dynamics()[:2, :2])
+    np.testing.assert_allclose(np.sort_complex(alone), [-0.6099 - 0.4531j, -0.6099 + 0.4531j], atol=1e-4)
+
+
+@pytest.mark.parametrize("times", [0.0, 1.0, 5.0])
+def test_the_tracking_error_of_a_run_is_the_exponential_of_its_poles_whatever_the_uncertainty(times):
+    offset = 0.005 * times
+    changes = {"uncertainty.offset": offset, "uncertainty.amplitude": offset}
+    run = simulate("paper-clean", ["high_gain"], changes)
+    tau, error = run.time.values, (run.x.sel(state="x1") - run.r).values
+    # e = (x₁ − r, x₂ − ṙ),  w = ζ + K e,  ζ = mΔ_Φ at τ = 0: equal forces, r̈ = 0
+    M, m = error_dynamics(), PARAMETERS["m"].default
+    e = np.array([2.6 - 2.6315, 0 - 0.005])
+    K = -m * M[1, :2]
+    start = np.array([*e, m * offset + K @ e])
+    exact = np.array([expm(M * t)[0] @ start for t in tau])
+    # RK4: |λ|⁵h⁴/120 · 0.03/0.87 = 2e-13 for |λ| = 6.13, h = 5e-4; rounding of x₁ ≈ 2.6: 4e-16/(0.48 h) = 2e-12
+    np.testing.assert_allclose(error, exact, atol=1e-11, rtol=0)
+    # in the end the slowest pole alone is left: a factor 2.5935 in two time units
+    later = np.array([np.abs(error[tau >= t]).max() for t in (12, 14, 16)])
+    np.testing.assert_allclose(later[:-1] / later[1:], math.exp(2 * 0.4765), rtol=1e-3)
 
 
 # ---------------------------------------------------------------- Φ_S as printed

@@ -42,7 +42,7 @@ Point = Mapping[str, float]
 
 SENSORS = ("x1", "Phi_S1", "Phi_S2")
 UNKNOWN = {"none": (), "none, a": (), "u": ("Delta", "u1", "u2"), "a": ("Delta", "a1", "a2")}
-# typical sizes of spec §10
+# the typical sizes of docs/observers.md#observability
 SIZE = {"a1": 0.5, "a2": 0.1}
 
 TAUT = {"x1": 2.6, "x2": 0.03, "x3": 2.018, "x4": 2.025, "Delta": 0.005, "u1": 0.02, "u2": -0.01, "a1": 0.5, "a2": 0.3}
@@ -108,7 +108,7 @@ def same_space(left: Array, right: Array, tolerance: float) -> bool:
     return left.shape == right.shape and bool(np.allclose(left @ left.T, right @ right.T, atol=tolerance))
 
 
-# ---------------------------------------------------------------- the table of spec §10
+# ---------------------------------------------------------------- the ranks in docs/observers.md#observability
 
 
 def by_order(*ranks: int, of: int = 7) -> tuple[int, ...]:
@@ -162,7 +162,7 @@ def test_the_pattern_knows_what_is_never_seen() -> None:
 
 
 def test_the_ranks_with_unknown_signals() -> None:
-    """literature.md §7.2: the unknowns with two derivatives each, 13 coordinates."""
+    """The unknowns with two derivatives each, 13 coordinates."""
     b = block("u", 2)
     assert len(b.x) == 13
     one = (2, 4, 6, 8)
@@ -258,7 +258,7 @@ def test_a_linear_system_has_the_textbooks_matrix(seed: int) -> None:
 
 
 def outputs_of(unknown: str, start: Array, duration: float, sensors: Sequence[str]) -> Array:
-    """Simulated outputs at 12 times for the columns of `start`, (Δ, w₁, w₂) constant; the equations of spec §3."""
+    """Simulated outputs at 12 times for the columns of `start`, (Δ, w₁, w₂) constant, by docs/model.md#plant."""
 
     def rhs(_: float, flat: Array) -> Array:
         x1, x2, x3, x4, Delta, *w = X = flat.reshape(7, -1)
@@ -470,7 +470,7 @@ def test_how_near_the_edge_a_taut_tendon_is_seen(
 
 
 def test_at_the_edge_itself_two_orders_see_nothing() -> None:
-    """Φ = Φ′ = Φ″ = 0 at 2 (literature.md §7.2)."""
+    """Φ = Φ′ = Φ″ = 0 at 2."""
     v = verdict("u", {**TAUT, "x3": 2.0}, order=2)
     assert v.ranks == (2, 4, 6)
     assert "u1" in v.unobservable or "x3" in v.unobservable

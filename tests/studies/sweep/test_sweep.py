@@ -28,7 +28,7 @@ def test_a_point_of_a_sweep_is_the_run_of_that_scenario() -> None:
 
 
 def test_the_trade_off_of_the_high_gain_observer_has_its_optimum_where_it_was_found() -> None:
-    """estimation-limit §2: near 0.2 for x₂ and Δ, near 0.1 for u and a; worse on both sides."""
+    """Near 0.2 for x₂ and Δ, near 0.1 for u and a; worse on both sides."""
     found = sweep("paper-noisy", {"high_gain.eps_h": Range(0.02, 0.5, 11, logarithmic=True)}, seeds=8)
     median = found.rmse.median("seed").sel(observer="high_gain")
     best = median.idxmin("high_gain.eps_h")
