@@ -19,12 +19,12 @@ from ...model.arrays import Array
 from ...model.block import Symbols
 from ...model.curves import NGUYEN2019, NGUYEN2019_PRINTED
 from ...model.symbols import hat
+from ..files.progress import Progress, unseen
 from ..scenarios.grid import time_grid
 from ..scenarios.loops import paper_loop
 from ..scenarios.paths import RUN, table
 from ..scenarios.scenario import Value, read, scenario
 from ..simulate.measures import measures
-from ..simulate.run import Progress
 from .printed import ADAPTIVE, CONTROLLER, OBSERVER, Erratum, adaptive_as_printed, backstepping_as_printed, printed_toe
 
 
@@ -90,7 +90,7 @@ _COMMON_PERIOD = 20 * math.pi
 _TOE_POINTS = 1001
 
 
-def errata(progress: Progress = lambda done: None) -> list[Result]:
+def errata(progress: Progress = unseen) -> list[Result]:
     """Run every variant of the controller and of the adaptive observer; one compiled library for all."""
     runs: list[tuple[Callable[[Variant, Progress], Result], Variant]] = [
         *((_tracking, variant) for variant in variants(CONTROLLER)),

@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import xarray as xr
 
 from ...codegen.batch import compile_loop
 from ...model.block import Block
+from ..files.progress import Progress, unseen
 from ..scenarios.prepare import BASELINE, Prepared, prepare
 from ..scenarios.scenario import Value
 from .dataset import dataset
-
-Progress = Callable[[float], None]
 
 
 class RunWarning(UserWarning):
@@ -25,7 +24,7 @@ def simulate(
     source: str | Path = "paper-clean",
     observers: Sequence[str | Block] | str | Block | None = None,
     changes: Mapping[str, Value] | None = None,
-    progress: Progress = lambda done: None,
+    progress: Progress | None = None,
 ) -> xr.Dataset:
     """Run a scenario and return states, inputs, activations, estimates and measures with named dimensions.
 
@@ -36,10 +35,10 @@ def simulate(
     and quantity; everything is dimensionless. Failures are in its attributes, the numbers after one are NaN.
     ScenarioError for a wrong scenario, path, value or observer; BuildError if nothing can be compiled.
     """
-    return simulate_prepared(prepare(source, observers, changes or {}), progress)
+    return simulate_prepared(prepare(source, observers, changes or {}), progress or unseen)
 
 
-def simulate_prepared(prepared: Prepared, progress: Progress = lambda done: None) -> xr.Dataset:
+def simulate_prepared(prepared: Prepared, progress: Progress = unseen) -> xr.Dataset:
     """Run what `prepare` has checked."""
     loop, grid = prepared.loop, prepared.grid
     parameters = {block.name: prepared.table.values(block, prepared.scenario.given) for block in loop.blocks}

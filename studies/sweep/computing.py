@@ -13,6 +13,7 @@ import numpy as np
 from ...codegen.batch import CompiledLoop
 from ...model.arrays import Array
 from ..files.errors import ScenarioError
+from ..files.progress import Progress, unseen
 from ..simulate.measures import measures
 from .causes import cause_of, causes
 from .dataset import width
@@ -79,9 +80,7 @@ def cores() -> int:
     return len(os.sched_getaffinity(0)) if sys.platform == "linux" else os.cpu_count() or 1
 
 
-def compute_part(
-    wanted: Plan, compiled: CompiledLoop, part: int, progress: Callable[[float], None] = lambda done: None
-) -> Array:
+def compute_part(wanted: Plan, compiled: CompiledLoop, part: int, progress: Progress = unseen) -> Array:
     """The numbers of one part: (runs × numbers) as `sweep_dataset` reads them."""
     runs = wanted.members(part)
     parameters = wanted.numbers(runs)

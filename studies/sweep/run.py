@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -17,15 +17,13 @@ from ...model.symbols import QUANTITIES
 from ...observers.score import MEASURES
 from ..files.errors import ResultError, ScenarioError
 from ..files.netcdf import LARGEST_RESULT, load, save_netcdf
+from ..files.progress import CountedProgress, unseen
 from ..scenarios.scenario import Value
 from .axes import Values
 from .computing import Compute, on_threads
 from .dataset import sweep_dataset, width
 from .parts import Parts
 from .plan import Plan, plan
-
-# runs done so far, of all; runs of an earlier start count as done at once
-Progress = Callable[[int, int], None]
 
 
 class SweepWarning(UserWarning):
@@ -45,7 +43,7 @@ def sweep(
     baseline: str | None = None,
     quantities: Sequence[str] = QUANTITIES,
     measures: Sequence[str] = MEASURES,
-    progress: Progress = lambda done, all_runs: None,
+    progress: CountedProgress | None = None,
     cluster: str | None = None,
 ) -> xr.Dataset:
     """Run a scenario for all values in `over` and all seeds, and return the measures of each run.
@@ -69,7 +67,7 @@ def sweep(
     """
     wanted = plan(source, over or {}, seeds, observers, changes, kind, samples, quantities, measures)
     with engine(workers, cluster) as (compute, usual):
-        return sweep_planned(wanted, None if out is None else Path(out), compute, baseline or usual, progress)
+        return sweep_planned(wanted, None if out is None else Path(out), compute, baseline or usual, progress or unseen)
 
 
 @contextlib.contextmanager
@@ -89,7 +87,7 @@ def sweep_planned(
     out: Path | None,
     compute: Compute,
     baseline: str = NATIVE,
-    progress: Progress = lambda done, all_runs: None,
+    progress: CountedProgress = unseen,
 ) -> xr.Dataset:
     """Run what `plan` has checked, keeping parts and result at `out` if it is given."""
     if (size := wanted.runs * width(wanted) * 8) > LARGEST_RESULT:
@@ -121,7 +119,7 @@ def _computed(
     identity: str,
     baseline: str,
     compute: Compute,
-    progress: Progress,
+    progress: CountedProgress,
     parts: Parts | None = None,
 ) -> xr.Dataset:
     """The result; what `parts` has whole is read, what it has not is computed and kept there."""
@@ -156,7 +154,7 @@ def _is_there(out: Path) -> bool:
         raise ResultError(f"{out} cannot be read: {error.strerror}") from error
 
 
-def _complete(out: Path, identity: str, wanted: Plan, progress: Progress) -> xr.Dataset:
+def _complete(out: Path, identity: str, wanted: Plan, progress: CountedProgress) -> xr.Dataset:
     """The result that is there already, if it is that of this sweep."""
     found = load(out)
     if found.attrs.get("identity") != identity:

@@ -19,12 +19,12 @@ from ....observers.observability import TOLERANCE
 from ...files.errors import ScenarioError
 from ...files.netcdf import save_netcdf
 from ...files.numbers import parse_number
+from ...files.progress import Progress
 from ...files.quote import shown
 from ...observability.point import Answer, at, start_point
 from ...observability.question import Question, ask
 from ...scenarios.prepare import Prepared, prepare
 from ...scenarios.scenario import Value
-from ...simulate.run import Progress
 from .number import number
 
 SCALING = "columns × typical size (0.01 for x, Δ, u; 0.5 for a1, 0.1 for a2), rows normalised, zero rows stay zero"
