@@ -38,15 +38,15 @@ def main() -> None:
     with ExitStack() as stack:
         engines = [stack.enter_context(engine(1, cluster)) for cluster in (None, "local")]
         for _ in range(ROUNDS + 1):
-            for baseline, found in rates.items():
-                found.append(rate(large, baseline))
+            for target, found in rates.items():
+                found.append(rate(large, target))
             for found, (compute, _) in zip(beside.values(), engines, strict=True):
                 found.append(per_part(small, compute))
-    for baseline, found in rates.items():
+    for target, found in rates.items():
         # the first round compiles, and workers prepare the sweep
         each = statistics.median(found[1:])
-        print(f"{each:8.0f}  runs a second of one core (CPU time), paper-noisy, 20 s, three observers, {baseline}")
-        print(f"{PART / each:8.2f}  s of one core for a part of {PART} runs, {baseline}")
+        print(f"{each:8.0f}  runs a second of one core (CPU time), paper-noisy, 20 s, three observers, {target}")
+        print(f"{PART / each:8.2f}  s of one core for a part of {PART} runs, {target}")
     for name, found in beside.items():
         print(f"{1000 * statistics.median(found[1:]):8.2f}  ms for a part beside its runs, on {name}")
 
@@ -63,9 +63,9 @@ def sizes() -> Iterator[tuple[str, float]]:
         yield "bytes of memory for a run of one sweep, at the peak", more
 
 
-def rate(large: Plan, baseline: str) -> float:
+def rate(large: Plan, target: str) -> float:
     """Runs per second of CPU time."""
-    compiled = compile_loop(large.prepared.loop, baseline)
+    compiled = compile_loop(large.prepared.loop, target)
     before = time.process_time()
     compute_part(large, compiled, 0)
     return PART / (time.process_time() - before)

@@ -13,7 +13,7 @@ import casadi as ca
 
 from hillobs.codegen.constants import hoisted
 from hillobs.codegen.stepper import STAGES
-from hillobs.codegen.toolchain import BASELINES, NATIVE, compile_library, find_compiler
+from hillobs.codegen.toolchain import NATIVE, TARGETS, compile_library, find_compiler
 from hillobs.model.block import Block
 
 from .problem import Problem
@@ -74,7 +74,7 @@ def peak(name: str) -> float:
 @functools.cache
 def _library() -> ctypes.CDLL:
     with tempfile.TemporaryDirectory() as folder:
-        path = compile_library(_SOURCE.read_text(encoding="utf-8"), Path(folder), find_compiler(), BASELINES[NATIVE])
+        path = compile_library(_SOURCE.read_text(encoding="utf-8"), Path(folder), find_compiler(), TARGETS[NATIVE])
         library = ctypes.CDLL(str(path))
     for name in PEAKS:
         getattr(library, name).argtypes = (ctypes.c_int64, ctypes.c_double, ctypes.c_double, ctypes.c_void_p)

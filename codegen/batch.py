@@ -60,10 +60,10 @@ class Outcome:
 class CompiledLoop:
     """A loop as a loaded library; nothing that its methods take recompiles it."""
 
-    def __init__(self, loop: Loop, baseline: str = NATIVE) -> None:
-        self.loop, self.baseline = loop, baseline
+    def __init__(self, loop: Loop, target: str = NATIVE) -> None:
+        self.loop, self.target = loop, target
         source = export_loop(loop)
-        self.path, self.dll = load(source, baseline)
+        self.path, self.dll = load(source, target)
         self.dll.hillobs_start.argtypes = (ctypes.POINTER(Batch),)
         self.dll.hillobs_advance.argtypes = (ctypes.POINTER(Batch), ctypes.c_int64)
         self.dll.hillobs_start.restype = self.dll.hillobs_advance.restype = None
@@ -152,9 +152,9 @@ class CompiledLoop:
 
 
 @functools.lru_cache(maxsize=16)
-def compile_loop(loop: Loop, baseline: str = NATIVE) -> CompiledLoop:
-    """The loop as machine code for the processors of `baseline`, from the cache if it is there."""
-    return CompiledLoop(loop, baseline)
+def compile_loop(loop: Loop, target: str = NATIVE) -> CompiledLoop:
+    """The loop as machine code for the processors of `target`, from the cache if it is there."""
+    return CompiledLoop(loop, target)
 
 
 def _outcome(block: Block, memory: Memory, truth: Block) -> Outcome:

@@ -48,10 +48,10 @@ class Followed:
 class CompiledBank:
     """A bank of observers as a loaded library; nothing that its methods take recompiles it."""
 
-    def __init__(self, bank: Bank, baseline: str = SINGLE) -> None:
+    def __init__(self, bank: Bank, target: str = SINGLE) -> None:
         self.bank = bank
         source = export_bank(bank)
-        self.path, self.dll = load(source, baseline)
+        self.path, self.dll = load(source, target)
         self.dll.hillobs_follow.argtypes = (ctypes.c_int64, ctypes.POINTER(_Filter))
         self.dll.hillobs_follow.restype = None
         blocks: Any = source.description["blocks"]

@@ -36,17 +36,17 @@ def open_library(path: Path) -> ctypes.CDLL:
     return library
 
 
-def load(source: Source, baseline: str = NATIVE) -> tuple[Path, ctypes.CDLL]:
-    """Path and library of a Source, compiled for `baseline` unless the cache has it. BuildError if that fails."""
-    path = build(source.text, source.description, baseline)
+def load(source: Source, target: str = NATIVE) -> tuple[Path, ctypes.CDLL]:
+    """Path and library of a Source, compiled for `target` unless the cache has it. BuildError if that fails."""
+    path = build(source.text, source.description, target)
     return path, open_library(path)
 
 
 class Library:
     """Compiled functions, by name."""
 
-    def __init__(self, functions: Sequence[ca.Function], baseline: str = NATIVE) -> None:
-        self.path, self.dll = load(export_functions(functions), baseline)
+    def __init__(self, functions: Sequence[ca.Function], target: str = NATIVE) -> None:
+        self.path, self.dll = load(export_functions(functions), target)
         self.dll.hillobs_call.argtypes = (ctypes.c_int64, ctypes.c_int64, _DOUBLES, _DOUBLES)
         self.dll.hillobs_call.restype = ctypes.c_int
         self._functions: Mapping[str, tuple[int, ca.Function]] = {
@@ -74,9 +74,9 @@ class Library:
         return np.split(results, np.cumsum(widths)[:-1], axis=1)
 
 
-def compile_functions(functions: Sequence[ca.Function], baseline: str = NATIVE) -> Library:
-    """The functions as compiled C, for the processors of `baseline`."""
-    return Library(functions, baseline)
+def compile_functions(functions: Sequence[ca.Function], target: str = NATIVE) -> Library:
+    """The functions as compiled C, for the processors of `target`."""
+    return Library(functions, target)
 
 
 def _explain(path: Path, words: str) -> str:

@@ -36,7 +36,7 @@ _MACHINE = re.sub("x86_64|amd64", "x86-64", platform.machine().lower()).replace(
 _THIS_ONE = "-mcpu=native" if _MACHINE == "arm64" else "-march=native"
 # the processors that a library is for: this one; a class of them, for equal numbers on several machines; any, one
 # run at a time; this one, one run at a time
-BASELINES: Mapping[str, tuple[str, ...]] = {
+TARGETS: Mapping[str, tuple[str, ...]] = {
     NATIVE: (_THIS_ONE,),
     "x86-64-v3": ("-march=x86-64-v3",),
     "x86-64-v4": ("-march=x86-64-v4",),
@@ -68,14 +68,14 @@ class Compiler:
     path: Path
 
 
-def build(source: str, description: Mapping[str, object], baseline: str = NATIVE) -> Path:
+def build(source: str, description: Mapping[str, object], target: str = NATIVE) -> Path:
     """Return the verified library of `source`, one C++ translation unit, compiled unless the cache has it.
 
     `description` is what the caller knows of it (names in array order, sizes); the manifest must say the same.
-    `baseline` is a name of BASELINES.
+    `target` is a name of TARGETS.
     """
     compiler = find_compiler()
-    flags = _target(baseline)
+    flags = _target_flags(target)
     circumstances = {**_circumstances(compiler), "target": flags}
     key = cache.entry_key({"source": source, "description": description, **circumstances})
 
@@ -173,17 +173,17 @@ def _kind(version: str) -> str:
     return "unknown"
 
 
-def _target(baseline: str) -> tuple[str, ...]:
-    """Return the flags for the processors of `baseline`, or raise."""
-    flags = BASELINES.get(baseline)
+def _target_flags(target: str) -> tuple[str, ...]:
+    """Return the flags for the processors of `target`, or raise."""
+    flags = TARGETS.get(target)
     if flags is None:
-        raise BuildError(f"Unknown baseline {baseline!r}; there are {', '.join(BASELINES)}.")
-    if (machine := _MACHINES.get(baseline, _MACHINE)) != _MACHINE:
-        raise BuildError(f"The baseline {baseline} is for {machine}; this machine is {_MACHINE}.")
+        raise BuildError(f"Unknown target {target!r}; there are {', '.join(TARGETS)}.")
+    if (machine := _MACHINES.get(target, _MACHINE)) != _MACHINE:
+        raise BuildError(f"The target {target} is for {machine}; this machine is {_MACHINE}.")
     # registers of 512 bits, where there are any: gcc would rather use half of them
-    wide = ("-mprefer-vector-width=512",) if _MACHINE == "x86-64" and baseline != "scalar" else ()
+    wide = ("-mprefer-vector-width=512",) if _MACHINE == "x86-64" and target != "scalar" else ()
     # Intel's dividers take 16 cycles for eight quotients, AMD's 4 to 10; a class of processors has both
-    slow = ("-DHILLOBS_SLOW_DIVISION",) if baseline == NATIVE and _cpu("vendor_id") == ["GenuineIntel"] else ()
+    slow = ("-DHILLOBS_SLOW_DIVISION",) if target == NATIVE and _cpu("vendor_id") == ["GenuineIntel"] else ()
     return (*flags, *wide, *slow)
 
 

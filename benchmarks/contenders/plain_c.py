@@ -13,7 +13,7 @@ from pathlib import Path
 import casadi as ca
 import numpy as np
 
-from hillobs.codegen.toolchain import BASELINES, NATIVE
+from hillobs.codegen.toolchain import NATIVE, TARGETS
 from hillobs.model.arrays import Array
 
 from ..problem import Problem, right_hand_side
@@ -21,7 +21,7 @@ from . import AbsentError, Contender, marching
 
 _STEPS = 2_000
 _LOOP = Path(__file__).with_name("rk4.c")
-_FLAGS = ("-O3", *BASELINES[NATIVE], "-fPIC", "-shared")
+_FLAGS = ("-O3", *TARGETS[NATIVE], "-fPIC", "-shared")
 
 
 def exported(of: Problem) -> Contender:

@@ -14,7 +14,7 @@ WIDE = np.finfo(np.longdouble).nmant >= 63
 needs_width = pytest.mark.skipif(not WIDE, reason="long double is no wider than double here")
 # vectors, one run at a time, and one at a time with the instructions of the vectors
 BUILDS = [toolchain.NATIVE, "scalar", "scalar here"]
-HERE = (*toolchain.BASELINES["scalar"], *toolchain.BASELINES[toolchain.NATIVE])
+HERE = (*toolchain.TARGETS["scalar"], *toolchain.TARGETS[toolchain.NATIVE])
 EDGES = [0.0, -0.0, 5e-324, -5e-324, 2.2250738585072014e-308, 1e-300, -1e-300, 1.0, -1.0, np.nextafter(1, 0)]
 NOT_FINITE = [np.nan, np.inf, -np.inf]
 
@@ -25,8 +25,8 @@ def builds() -> dict[str, Library]:
     every = [ca.Function(f"kernel_{name}", [x], [f(x)]) for name, f in FUNCTIONS.items()]
     every += [ca.Function("kernel_fmin", [x, y], [ca.fmin(x, y)]), ca.Function("kernel_fmax", [x, y], [ca.fmax(x, y)])]
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(toolchain, "BASELINES", {**toolchain.BASELINES, "scalar here": HERE})
-        return {baseline: compile_functions(every, baseline) for baseline in BUILDS}
+        patch.setattr(toolchain, "TARGETS", {**toolchain.TARGETS, "scalar here": HERE})
+        return {target: compile_functions(every, target) for target in BUILDS}
 
 
 def value(library: Library, name: str, *arguments: Array) -> Array:

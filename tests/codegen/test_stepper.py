@@ -115,11 +115,11 @@ def rename(f: ca.Function, name: str) -> ca.Function:
     return ca.Function(name, inputs, f.call(inputs), f.name_in(), f.name_out())
 
 
-@pytest.mark.parametrize(("baseline", "tolerance"), [("scalar", 1e-12), ("native", 1e-11)])
-def test_compiled_C_is_the_casadi_function(baseline: str, tolerance: float) -> None:
+@pytest.mark.parametrize(("target", "tolerance"), [("scalar", 1e-12), ("native", 1e-11)])
+def test_compiled_C_is_the_casadi_function(target: str, tolerance: float) -> None:
     """Every exported function, at points about a run, slack tendons included; lanes round a product and a sum once."""
     every = every_function()
-    library = compile_functions(every, baseline)
+    library = compile_functions(every, target)
     random = np.random.default_rng(3)
     worst = 0.0
     for function in every:

@@ -23,7 +23,7 @@ _building = threading.Lock()
 
 def order(wanted: Plan, compiled: CompiledLoop) -> str:
     """What a worker is told: the plan, for which processors to compile it, and what must be the same there."""
-    return json.dumps({"plan": text_of(wanted), "baseline": compiled.baseline, "code": code(compiled.path)})
+    return json.dumps({"plan": text_of(wanted), "target": compiled.target, "code": code(compiled.path)})
 
 
 def work(told: str, part: int) -> Array:
@@ -49,7 +49,7 @@ def work(told: str, part: int) -> Array:
 def _prepared(told: str, address: str) -> tuple[Plan, CompiledLoop]:
     content = json.loads(told)
     wanted = plan_of(content["plan"])
-    compiled = compile_loop(wanted.prepared.loop, content["baseline"])
+    compiled = compile_loop(wanted.prepared.loop, content["target"])
     if other := difference(code(compiled.path), content["code"]):
         raise ClusterError(f"worker {address} would not compute the same numbers: {other}")
     return wanted, compiled

@@ -75,7 +75,7 @@ MISTAKES = {
     "--out /dev/null/x.nc": "/dev/null cannot be written to: it is not a folder",
     f"--out {'x' * 252}.nc": "cannot be written to: File name too long",
     "--workers 0": f"--workers {WHOLE} 1, not '0'",
-    "--baseline nonsense": "Unknown baseline 'nonsense'; there are native",
+    "--baseline nonsense": "Unknown target 'nonsense'; there are native",
     "--observer [/x]": "unknown observer '[/x]'; there are high_gain",
     "--quantity x9": "unknown quantity 'x9'; there are x1",
     "--measure x9": "unknown measure 'x9'; there are rmse",
