@@ -141,11 +141,11 @@ def _tracking(variant: Variant, progress: Progress) -> Tracking:
 def _estimation(variant: Variant, progress: Progress) -> Estimation:
     run = _run({f"{ADAPTIVE}.{name}": 0.0 for name in variant.printed}, (ADAPTIVE,), progress)
     s, grid, trace = run.signals, run.grid, run.traces[ADAPTIVE]
-    points, end = grid.steps - grid.window + 1, grid.steps * grid.h
+    end = grid.steps * grid.h
     error = np.abs(s["x1"] - s["x1_hat"])
     return Estimation(
         variant,
-        rmse={q: float(e) for q, e in measures(trace.score, points, grid.h, end, kinds=["rmse"])["rmse"].items()},
+        rmse={q: float(e) for q, e in measures(trace.score, grid, names=["rmse"])["rmse"].items()},
         x1_largest=float(error[run.t >= grid.window * grid.h].max()),
         nearest={hat(name): _nearest(s[hat(name)], signals, run.t >= end / 2) for name, signals in _true(s).items()},
         guards={name: time for name, time in trace.guards.items() if time > 0},

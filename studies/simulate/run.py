@@ -8,7 +8,7 @@ from pathlib import Path
 
 import xarray as xr
 
-from ...codegen.batch import compile_loop
+from ...codegen.batch import CompiledLoop, Trace, compile_loop
 from ...model.block import Block
 from ..files.progress import Progress, unseen
 from ..scenarios.prepare import BASELINE, Prepared, prepare
@@ -40,11 +40,18 @@ def simulate(
 
 def simulate_prepared(prepared: Prepared, progress: Progress = unseen) -> xr.Dataset:
     """Run what `prepare` has checked."""
-    loop, grid = prepared.loop, prepared.grid
-    parameters = {block.name: prepared.table.values(block, prepared.scenario.given) for block in loop.blocks}
-    compiled = compile_loop(loop)
-    traces = compiled.run(grid, prepared.scenario.seed, parameters, (BASELINE, *prepared.observers), progress)
+    compiled = compile_loop(prepared.loop)
+    traces = recorded(prepared, compiled, (BASELINE, *prepared.observers), progress)
     result = dataset(prepared, traces, str(compiled.path.stem))
     if truth := traces["truth"].failure:
         warnings.warn(f"the plant failed at τ = {truth.time:g}; what follows is NaN", RunWarning, stacklevel=3)
     return result
+
+
+def recorded(
+    prepared: Prepared, compiled: CompiledLoop, observers: Sequence[str] = (), progress: Progress = unseen
+) -> dict[str, Trace]:
+    """What the truth, the sensors and the observers named do in the run of the scenario, by Block."""
+    scenario = prepared.scenario
+    parameters = {block.name: prepared.table.values(block, scenario.given) for block in prepared.loop.blocks}
+    return compiled.run(prepared.grid, scenario.seed, parameters, observers, progress)
