@@ -13,8 +13,9 @@ from pathlib import Path
 
 from hillobs.codegen.batch import compile_loop
 from hillobs.codegen.toolchain import NATIVE, PORTABLE
-from hillobs.studies.sweep.computing import Compute, compute_part
+from hillobs.studies.sweep.computing import Compute
 from hillobs.studies.sweep.plan import PART, Plan, plan
+from hillobs.studies.sweep.points import compute_part
 from hillobs.studies.sweep.run import engine, sweep, sweep_planned
 
 from .machine import machine

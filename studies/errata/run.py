@@ -19,13 +19,13 @@ from ...model.arrays import Array
 from ...model.block import Symbols
 from ...model.curves import NGUYEN2019, NGUYEN2019_PRINTED
 from ...model.symbols import hat
+from ..files.progress import Progress, unseen
 from ..scenarios.grid import time_grid
 from ..scenarios.layers import Value, layers
 from ..scenarios.loops import paper_loop
 from ..scenarios.paths import RUN, table
 from ..scenarios.scenario import scenario
 from ..simulate.measures import measures
-from ..simulate.run import Progress
 from .printed import ADAPTIVE, CONTROLLER, OBSERVER, Erratum, adaptive_as_printed, backstepping_as_printed, printed_toe
 
 
@@ -91,7 +91,7 @@ _COMMON_PERIOD = 20 * math.pi
 _TOE_POINTS = 1001
 
 
-def errata(progress: Progress = lambda done: None) -> list[Result]:
+def errata(progress: Progress = unseen) -> list[Result]:
     """Run every variant of the controller and of the adaptive observer; one compiled library for all."""
     runs: list[tuple[Callable[[Variant, Progress], Result], Variant]] = [
         *((_tracking, variant) for variant in variants(CONTROLLER)),
@@ -142,11 +142,11 @@ def _tracking(variant: Variant, progress: Progress) -> Tracking:
 def _estimation(variant: Variant, progress: Progress) -> Estimation:
     run = _run({f"{ADAPTIVE}.{name}": 0.0 for name in variant.printed}, (ADAPTIVE,), progress)
     s, grid, trace = run.signals, run.grid, run.traces[ADAPTIVE]
-    points, end = grid.steps - grid.window + 1, grid.steps * grid.h
+    end = grid.steps * grid.h
     error = np.abs(s["x1"] - s["x1_hat"])
     return Estimation(
         variant,
-        rmse={q: float(e) for q, e in measures(trace.score, points, grid.h, end, kinds=["rmse"])["rmse"].items()},
+        rmse={q: float(e) for q, e in measures(trace.score, grid, names=["rmse"])["rmse"].items()},
         x1_largest=float(error[run.t >= grid.window * grid.h].max()),
         nearest={hat(name): _nearest(s[hat(name)], signals, run.t >= end / 2) for name, signals in _true(s).items()},
         guards={name: time for name, time in trace.guards.items() if time > 0},

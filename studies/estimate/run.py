@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +13,7 @@ from ...model.arrays import Array
 from ...model.symbols import hat
 from ...observers import FOLLOWERS
 from ..files.errors import RecordingError, ScenarioError
+from ..files.progress import Progress, unseen
 from ..files.quote import shown
 from ..laboratory.gaps import bridged, refuse_impossible, refuse_long_steps
 from ..laboratory.muscles import MusclePair, read_muscles
@@ -34,8 +35,6 @@ _LONGEST_PERIOD = 0.7
 _NUMBERS, _MOST_NUMBERS = 20, 100_000_000
 DEFAULT_OBSERVERS = ("high_gain", "sliding_mode", "adaptive_sliding_mode")
 
-Progress = Callable[[float], None]
-
 
 def estimate(
     recording: str | Path | Recording,
@@ -45,7 +44,7 @@ def estimate(
     corrected: bool = True,
     changes: Mapping[str, Value] | None = None,
     every: int = 1,
-    progress: Progress = lambda done: None,
+    progress: Progress = unseen,
 ) -> xr.Dataset:
     """Follow a recording with observers and return velocities, lengths, activations and disturbance in SI.
 

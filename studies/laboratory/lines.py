@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import gzip
 import zlib
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import BinaryIO
 
 from ..files.errors import RecordingError
+from ..files.progress import Progress, unseen
 from ..files.reading import cause, open_regular
 
 # a day at 1 kHz with twenty columns is 15 GB
@@ -20,10 +21,8 @@ _GZIP = b"\x1f\x8b"
 _LARGEST_RATIO = 200
 _SMALL = 16_000_000
 
-Progress = Callable[[float], None]
 
-
-def blocks(path: Path, progress: Progress = lambda done: None) -> Iterator[bytes]:
+def blocks(path: Path, progress: Progress = unseen) -> Iterator[bytes]:
     r"""Blocks of whole lines, each line ending with \n; a byte-order mark is left out.
 
     `progress` is given the part of the file that has been read. RecordingError if the file is no regular one, too

@@ -11,11 +11,12 @@ import numpy as np
 
 from ...model.arrays import Array
 from ..files.errors import RecordingError
+from ..files.progress import Progress, unseen
 from ..files.quote import ranges
 from .cells import Cells, Rows
 from .columns import INPUTS, Column, choose
 from .header import read_header
-from .lines import Progress, blocks, text_of
+from .lines import blocks, text_of
 from .samples import Samples
 
 _OPENSIM = (".sto", ".mot")
@@ -73,7 +74,7 @@ def read_chunks(
     path: str | Path,
     mapping: Mapping[str, str] | None = None,
     rows_per_chunk: int = _CHUNK,
-    progress: Progress = lambda done: None,
+    progress: Progress = unseen,
 ) -> Iterator[Recording]:
     """A recording of any length in pieces of `rows_per_chunk` samples; the last one may be shorter.
 

@@ -15,9 +15,10 @@ from ...model.arrays import Array
 from ...model.symbols import MUSCLES, SIGNALS
 from ...observers.observability import TOLERANCE
 from ..files.errors import ScenarioError
+from ..files.progress import Progress, unseen
 from ..files.quote import shown
 from ..scenarios.prepare import Prepared
-from ..simulate.run import Progress, RunWarning, simulate_prepared
+from ..simulate.run import RunWarning, simulate_prepared
 from .many import determinant, matrices, rank_and_conditioning
 from .question import Question
 
@@ -27,7 +28,7 @@ MAP_POINTS = 200
 
 
 def along(
-    prepared: Prepared, question: Question, tolerance: float = TOLERANCE, progress: Progress = lambda done: None
+    prepared: Prepared, question: Question, tolerance: float = TOLERANCE, progress: Progress = unseen
 ) -> xr.Dataset:
     """Rank and conditioning at every recorded point of the scenario's run, with `taut` per muscle.
 
@@ -52,7 +53,7 @@ def over(
     point: Mapping[str, float],
     points: int = MAP_POINTS,
     tolerance: float = TOLERANCE,
-    progress: Progress = lambda done: None,
+    progress: Progress = unseen,
 ) -> xr.Dataset:
     """Rank and conditioning over two coordinates, the others as in `point`; NaN and −1 outside the domain.
 

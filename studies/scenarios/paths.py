@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable, Mapping
+from collections.abc import Container, Iterable, Mapping
 from dataclasses import dataclass
 
 from ...model.block import Block, Parameter
@@ -87,11 +87,15 @@ class Table:
 
     def value(self, path: str, given: Mapping[str, float]) -> float:
         """The number at `path`: given, else the one it shares, else its default."""
-        parameter = self.paths[path]
-        shared = parameter.shared
+        origin = self.origin(path, given)
+        return given.get(origin, self.paths[origin].default)
+
+    def origin(self, path: str, given: Container[str]) -> str:
+        """The path whose number `path` takes, where numbers are given at some paths: its own, or one that it shares."""
+        shared = self.paths[path].shared
         if path in given or not shared or shared == path or shared not in self.paths:
-            return given.get(path, parameter.default)
-        return self.value(shared, given)
+            return path
+        return self.origin(shared, given)
 
     def values(self, block: Block, given: Mapping[str, float]) -> list[float]:
         """The numbers of `block`."""

@@ -16,7 +16,7 @@ from ..scenarios.paths import RUN, block_paths
 from ..scenarios.prepare import BASELINE, Prepared
 from ..scenarios.scenario import CHOICES
 from .conditions import gain_conditions
-from .measures import KINDS, measures
+from .measures import SENTENCES, measures
 
 
 def dataset(prepared: Prepared, traces: Mapping[str, Trace], library: str) -> xr.Dataset:
@@ -54,14 +54,13 @@ def dataset(prepared: Prepared, traces: Mapping[str, Trace], library: str) -> xr
         meaning = SIGNALS[state].sentence if state in SIGNALS else f"state {state}"
         attributes = about(f"{observer}: {meaning}") | {"observer": observer, "state": state}
         data[variable] = (("time",), traces[observer].x[:, states[observer].index(state)], attributes)
-    points = max(0, grid.steps - grid.window + 1)
     scores = {name: traces[name].score for name in estimators}
     if truth.failure:  # the sums stop with the truth, they are no measures of the run
         scores = {name: dict.fromkeys(sums, np.nan) for name, sums in scores.items()}
-    errors = {name: measures(sums, points, grid.h, grid.steps * grid.h) for name, sums in scores.items()}
-    for kind, sentence in KINDS.items():
-        values = np.array([[errors[e][kind][q] for q in QUANTITIES] for e in estimators])
-        data[kind] = (("estimator", "quantity"), values, about(sentence))
+    errors = {name: measures(sums, grid) for name, sums in scores.items()}
+    for measure, sentence in SENTENCES.items():
+        values = np.array([[errors[e][measure][q] for q in QUANTITIES] for e in estimators])
+        data[measure] = (("estimator", "quantity"), values, about(sentence))
     time = np.arange(n) * (grid.record * grid.h)
     coordinates = {
         "time": ("time", time, about("time τ")),

@@ -14,7 +14,7 @@ from ..files.errors import ResultError
 from ..files.netcdf import save_netcdf
 from ..files.tables import Series, or_empty, write_csv
 from ..files.writing import write_whole
-from .measures import KINDS
+from .measures import SENTENCES
 
 # an observer's estimates in the order of a CSV file; its further states follow
 _ESTIMATES = ("x1_hat", "x2_hat", "Delta_hat", "x3_hat", "u1_hat", "x4_hat", "u2_hat")
@@ -55,7 +55,7 @@ def columns(dataset: xr.Dataset) -> Iterator[Series]:
 
 def measures_csv(dataset: xr.Dataset) -> str:
     """One row per estimator and quantity; empty where a measure is not defined."""
-    keys = list(KINDS)
+    keys = list(SENTENCES)
     rows = [
         [dataset.attrs["scenario"], dataset.attrs["seed"], estimator, quantity]
         + [or_empty(float(dataset[key].sel(estimator=estimator, quantity=quantity))) for key in keys]

@@ -7,12 +7,13 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ...codegen.memory import Grid
 from ...model.arrays import Array
 from ...model.symbols import QUANTITIES
-from ...observers.score import CHATTERING, MEASURES, counted_with
+from ...observers.score import CHATTERING, counted_with
 
-# of a recorded run; a sweep takes those of the score
-KINDS: Mapping[str, str] = {
+# measure → what it is; a recorded run has all, a sweep those of the score
+SENTENCES: Mapping[str, str] = {
     "rmse": "root of the mean squared error over [score.start, T]",
     "peak": "largest |error| over [0, T]",
     "settling": "last time the error exceeded its tolerance; NaN if it still does at the end",
@@ -23,36 +24,36 @@ KINDS: Mapping[str, str] = {
 
 def measures(
     score: Mapping[str, ArrayLike],
-    window_points: int,
-    h: float,
-    end: float,
+    grid: Grid,
     quantities: Sequence[str] = QUANTITIES,
-    kinds: Sequence[str] = (*MEASURES, "masked"),
+    names: Sequence[str] = tuple(SENTENCES),
 ) -> dict[str, dict[str, Array]]:
-    """Kind → quantity → how well it was estimated, in one run or many; NaN where it is not defined.
+    """Measure → quantity → how well it was estimated, in one run or many on `grid`; NaN where it is not defined.
 
-    window_points: grid points in the window; h: step; end: last time of the run.
+    score: the sums that the kernel has taken, numbers or (runs); names: the measures.
     """
     sums = {name: np.asarray(value, dtype=float) for name, value in score.items()}
+    h, end = grid.h, grid.steps * grid.h
+    window_points = max(0, grid.steps - grid.window + 1)
 
-    def one(kind: str, name: str) -> Array:
+    def one(measure: str, name: str) -> Array:
         whose = counted_with(name)
-        if kind == "rmse":
+        if measure == "rmse":
             # RMSE = √(Σ error²/n),  n the points at which the tendon was taut
             return np.sqrt(_ratio(sums[f"{name}.squares"], sums[f"{whose}.count"]))
-        if kind == "peak":
+        if measure == "peak":
             return sums[f"{name}.peak"]
-        if kind == "settling":
+        if measure == "settling":
             settling = sums[f"{name}.settling"]
             return np.where(settling > end - h / 2, np.nan, settling)
-        if kind == "masked":
+        if measure == "masked":
             return (window_points - sums[f"{whose}.count"]) * h
         if name not in CHATTERING:
             return np.full_like(next(iter(sums.values())), np.nan)
         # mean |v̂((k+1)T_s) − v̂(k T_s)|
         return _ratio(sums[f"{name}.chatter"], sums[f"{whose}.pairs"])
 
-    return {kind: {name: one(kind, name) for name in quantities} for kind in kinds}
+    return {measure: {name: one(measure, name) for name in quantities} for measure in names}
 
 
 def _ratio(total: Array, count: Array) -> Array:

@@ -88,7 +88,7 @@ def axes(over: Mapping[str, Values], kind: str = "grid", samples: int = 0, desig
     paths = tuple(over)
     if kind in DESIGNS:
         return Axes(kind, paths, _design(over, kind, samples, design_seed))
-    values = tuple(_spelled(path, wanted) for path, wanted in over.items())
+    values = tuple(_listed(path, given) for path, given in over.items())
     if kind == "zip" and len({len(v) for v in values}) > 1:
         lengths = ", ".join(f"{path} {len(v)}" for path, v in zip(paths, values, strict=True))
         raise ScenarioError(f"to go together, axes must have equally many values: {lengths}")
@@ -119,15 +119,15 @@ def _count(path: str, text: str) -> int:
     return int(text)
 
 
-def _spelled(path: str, wanted: Values) -> Array:
+def _listed(path: str, given: Values) -> Array:
     """All values of an axis."""
-    if isinstance(wanted, Range):
-        _check(path, wanted)
-        if wanted.count < 1:
+    if isinstance(given, Range):
+        _check(path, given)
+        if given.count < 1:
             raise ScenarioError(f"{path}: the range has no number of values; only a design can do without")
-        return wanted.at(np.linspace(0, 1, wanted.count))
+        return given.at(np.linspace(0, 1, given.count))
     try:
-        values = np.atleast_1d(np.asarray(wanted, dtype=float))
+        values = np.atleast_1d(np.asarray(given, dtype=float))
     except (TypeError, ValueError):
         values = np.empty((0, 0))
     if values.ndim != 1:
@@ -137,24 +137,25 @@ def _spelled(path: str, wanted: Values) -> Array:
     return values
 
 
-def _check(path: str, wanted: Range) -> None:
-    if not math.isfinite(wanted.high - wanted.low):
-        raise ScenarioError(f"{path}: the range from {wanted.low:g} to {wanted.high:g} is beyond all numbers")
-    if wanted.logarithmic and not (wanted.low > 0 and wanted.high > 0):
-        raise ScenarioError(f"{path}: a logarithmic range needs ends above 0, not {wanted.low:g} and {wanted.high:g}")
-    if not wanted.low < wanted.high and wanted.count != 1:
-        raise ScenarioError(f"{path}: the range from {wanted.low:g} to {wanted.high:g} is empty")
+def _check(path: str, span: Range) -> None:
+    low, high = span.low, span.high
+    if not math.isfinite(high - low):
+        raise ScenarioError(f"{path}: the range from {low:g} to {high:g} is beyond all numbers")
+    if span.logarithmic and not (low > 0 and high > 0):
+        raise ScenarioError(f"{path}: a logarithmic range needs ends above 0, not {low:g} and {high:g}")
+    if not low < high and span.count != 1:
+        raise ScenarioError(f"{path}: the range from {low:g} to {high:g} is empty")
 
 
 def _design(over: Mapping[str, Values], kind: str, samples: int, seed: int) -> tuple[Array, ...]:
     ranges: list[Range] = []
-    for path, wanted in over.items():
-        if not isinstance(wanted, Range):
+    for path, given in over.items():
+        if not isinstance(given, Range):
             raise ScenarioError(f"{path}: a design needs a range, such as {path}=log:0.02:0.5")
-        if wanted.count:
-            raise ScenarioError(f"{path}: a design says itself how many samples; leave out the range's {wanted.count}")
-        _check(path, wanted)
-        ranges.append(wanted)
+        if given.count:
+            raise ScenarioError(f"{path}: a design says itself how many samples; leave out the range's {given.count}")
+        _check(path, given)
+        ranges.append(given)
     if not ranges:
         raise ScenarioError("a design needs at least one range to sample")
     if not 1 <= samples <= _MOST_VALUES:
@@ -162,12 +163,13 @@ def _design(over: Mapping[str, Values], kind: str, samples: int, seed: int) -> t
     if kind == "sobol" and samples & (samples - 1):
         raise ScenarioError(f"Sobol's sequence is balanced for powers of two only, not for {samples} samples")
     try:
+        # imported here: SciPy is an extra
         qmc = importlib.import_module("scipy.stats.qmc")
     except ImportError as error:
         raise ScenarioError("designs need SciPy: pip install 'hillobs[design]'") from error
     sampler = (qmc.LatinHypercube if kind == "latin" else qmc.Sobol)(len(ranges), seed=seed)
     shares = np.asarray(sampler.random(samples), dtype=float)
-    return tuple(wanted.at(column) for wanted, column in zip(ranges, shares.T, strict=True))
+    return tuple(span.at(column) for span, column in zip(ranges, shares.T, strict=True))
 
 
 def combinations(axes: Axes, paths: Sequence[str]) -> Iterator[dict[str, float]]:

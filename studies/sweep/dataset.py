@@ -4,73 +4,62 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from typing import Any
 
-import numpy as np
 import xarray as xr
 
-from ...codegen.batch import CompiledLoop
-from ...model.arrays import Array
+from ...codegen.batch import CompiledLoop, Trace
 from ..scenarios.prepare import Prepared
 from ..simulate.dataset import about, repeatable
-from ..simulate.measures import KINDS
+from ..simulate.measures import SENTENCES
 from .causes import causes, flags
 from .conditions import swept_conditions
 from .plan import Plan
+from .row import Rows
 
 
-def width(wanted: Plan) -> int:
-    """Numbers per run: measures, time and cause of a failure of each observer; time and cause of the plant's."""
-    return len(wanted.observers) * (len(wanted.measures) * len(wanted.quantities) + 2) + 2
+def sweep_dataset(plan: Plan, rows: Rows, truth: Trace, identity: str, compiled: CompiledLoop) -> xr.Dataset:
+    """The fields of all rows with names; everything to repeat the sweep is in the attributes.
 
-
-def sweep_dataset(wanted: Plan, numbers: Array, identity: str, compiled: CompiledLoop, baseline: str) -> xr.Dataset:
-    """(runs × width) numbers with names; everything to repeat the sweep is in the attributes.
-
-    identity: hash of all that determines them; compiled, baseline: the code that ran.
+    truth: the recorded run of the scenario itself, for the gain conditions; identity: hash of all that determines the
+    numbers; compiled: the code that ran.
     """
-    shape = (*wanted.axes.shape, len(wanted.seeds))
-    dimensions = (*wanted.axes.dimensions, "seed")
-    each = numbers[:, :-2].reshape(*shape, len(wanted.observers), -1)
-    by_measure = each[..., :-2].reshape(*shape, len(wanted.observers), len(wanted.measures), len(wanted.quantities))
-    names = causes(wanted.prepared.loop, wanted.observers)
-    plant_failed_at, plant_failure = numbers[:, -2:].T.reshape(2, *shape)
-    data: dict[str, tuple[tuple[str, ...], np.ndarray[Any, Any], Mapping[str, object]]] = {
-        name: ((*dimensions, "observer", "quantity"), by_measure[..., i, :], about(KINDS[name]))
-        for i, name in enumerate(wanted.measures)
+    shape, dimensions = (*plan.axes.shape, len(plan.seeds)), (*plan.axes.dimensions, "seed")
+    data = {
+        name: ((*dimensions, *inner), rows[name].reshape(*shape, *rows[name].shape[1:]), attributes)
+        for name, (inner, attributes) in _fields(plan).items()
     }
-    data["failed_at"] = ((*dimensions, "observer"), each[..., -2], about("when the observer failed; NaN if it did not"))
-    data["plant_failed_at"] = (dimensions, plant_failed_at, about("when the plant failed; NaN if not"))
-    data["failure"] = (
-        (*dimensions, "observer"),
-        each[..., -1].astype(np.int16),
-        flags(names, "what of the observer was no number first, or left its domain"),
-    )
-    data["plant_failure"] = (
-        dimensions,
-        plant_failure.astype(np.int16),
-        flags(names, "what of the plant was no number first, or left its domain"),
-    )
     coordinates: dict[str, object] = {
-        "seed": wanted.seeds,
-        "observer": list(wanted.observers),
-        "quantity": list(wanted.quantities),
+        "seed": plan.seeds,
+        "observer": list(plan.observers),
+        "quantity": list(plan.quantities),
     }
-    for path, values in zip(wanted.axes.paths, wanted.axes.values, strict=True):
-        where = path if wanted.axes.kind == "grid" else "point"
-        coordinates[path] = (where, values, _about_axis(wanted.prepared, path))
+    for path, values in zip(plan.axes.paths, plan.axes.values, strict=True):
+        dimension = path if plan.axes.kind == "grid" else "point"
+        coordinates[path] = (dimension, values, _about_axis(plan.prepared, path))
     attributes = {
-        "title": f"hillobs: sweep of {wanted.prepared.scenario.name}",
-        **repeatable(wanted.prepared),
-        "kind": wanted.axes.kind,
-        "axes": json.dumps(list(wanted.axes.paths)),
+        "title": f"hillobs: sweep of {plan.prepared.scenario.name}",
+        **repeatable(plan.prepared),
+        "kind": plan.axes.kind,
+        "axes": json.dumps(list(plan.axes.paths)),
         "identity": identity,
-        "violated_conditions": json.dumps(_violated(wanted, compiled)),
+        "violated_conditions": json.dumps(swept_conditions(plan, truth)),
         "library": compiled.path.stem,
-        "baseline": baseline,
-        "part": str(wanted.part),
+        "target": compiled.target,
+        "part": str(plan.part),
     }
     return xr.Dataset(data, coordinates, attributes)
+
+
+def _fields(plan: Plan) -> dict[str, tuple[tuple[str, ...], Mapping[str, object]]]:
+    """Each field of a row: its dimensions, and what it is."""
+    names = causes(plan.prepared.loop, plan.observers)
+    return {
+        **{measure: (("observer", "quantity"), about(SENTENCES[measure])) for measure in plan.measures},
+        "failed_at": (("observer",), about("when the observer failed; NaN if it did not")),
+        "plant_failed_at": ((), about("when the plant failed; NaN if not")),
+        "failure": (("observer",), flags(names, "what of the observer was no number first, or left its domain")),
+        "plant_failure": ((), flags(names, "what of the plant was no number first, or left its domain")),
+    }
 
 
 def _about_axis(prepared: Prepared, path: str) -> dict[str, object]:
@@ -79,11 +68,3 @@ def _about_axis(prepared: Prepared, path: str) -> dict[str, object]:
     values = {prepared.value(member) for member in members}
     own = {"scenario_value": values.pop()} if len(values) == 1 else {}
     return {**about(prepared.table.paths[members[0]].sentence), **own}
-
-
-def _violated(wanted: Plan, compiled: CompiledLoop) -> dict[str, list[str]]:
-    """The gain conditions that do not hold somewhere, with suprema from a run of the scenario itself."""
-    prepared = wanted.prepared
-    values = {block.name: prepared.table.values(block, prepared.scenario.given) for block in compiled.loop.blocks}
-    truth = compiled.run(prepared.grid, prepared.scenario.seed, values, ())[compiled.loop.truth.name]
-    return swept_conditions(wanted, truth)

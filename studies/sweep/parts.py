@@ -15,13 +15,13 @@ from types import TracebackType
 
 import numpy as np
 
-from ...model.arrays import Array
 from ..files.errors import ResultError
 from ..files.netcdf import sealed, unsealed
 from ..files.reading import cause, read_whole
 from ..files.writing import write_whole
+from .row import Rows
 
-# a part is some thousand numbers
+# bytes; a part is some thousand numbers
 _LARGEST_PART = 1_000_000_000
 _LARGEST_PLAN = 1_000_000_000
 # one name per part, so that none is found twice
@@ -31,9 +31,10 @@ _PART = re.compile(r"(\d{8}|[1-9]\d{8,})\.part", re.ASCII)
 class Parts:
     """The folder `RESULT.parts`, locked while it is used as a context; parts are found again by their content."""
 
-    def __init__(self, result: Path, identity: str, description: Mapping[str, object]) -> None:
+    def __init__(self, result: Path, identity: str, description: Mapping[str, object], row: np.dtype[np.void]) -> None:
+        """Parts of rows with the layout `row`, of the sweep that `identity` names and `description` tells by words."""
         self.folder = result.with_name(f"{result.name}.parts")
-        self._result, self._identity, self._description = result, identity, description
+        self._result, self._identity, self._description, self._row = result, identity, description, row
         self.damaged = 0  # files that were no part and are computed again
 
     def __enter__(self) -> Parts:
@@ -46,7 +47,7 @@ class Parts:
             raise ResultError(f"{self.folder} cannot be written to: {cause(error)}") from error
         try:
             self._compare()
-            self._sweep()
+            self._remove_halves()
         except BaseException:
             os.close(self._lock)
             raise
@@ -55,11 +56,11 @@ class Parts:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Let go; the system does so too if we die."""
+        """Unlock; the system does so too if we die."""
         os.close(self._lock)
 
-    def read(self, part: int) -> Array | None:
-        """The numbers of a part, or None if it is not there whole."""
+    def read(self, part: int) -> Rows | None:
+        """The rows of a part, or None if it is not there whole."""
         path = self._path(part)
         try:
             content = unsealed(read_whole(path, _LARGEST_PART))
@@ -71,12 +72,11 @@ class Parts:
         if head != self._head(part):
             self.damaged += 1
             return None
-        return np.frombuffer(body, dtype="<f8")
+        return np.frombuffer(body, self._row)
 
-    def write(self, part: int, numbers: Array) -> None:
-        """Keep the numbers of a part. ResultError if that fails."""
-        body = np.ascontiguousarray(numbers, dtype="<f8").tobytes()
-        write_whole(self._path(part), sealed(self._head(part) + b"\n" + body))
+    def write(self, part: int, rows: Rows) -> None:
+        """Keep the rows of a part. ResultError if that fails."""
+        write_whole(self._path(part), sealed(self._head(part) + b"\n" + rows.tobytes()))
 
     def remove(self) -> None:
         """Remove the folder, once the result is there."""
@@ -103,7 +103,7 @@ class Parts:
             lock = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
             try:
                 self._take(lock)
-                # who has just finished has removed the folder under us
+                # another process that has just finished may have removed the folder with this lock
                 with contextlib.suppress(FileNotFoundError):
                     if os.path.samestat(os.fstat(lock), os.stat(path)):
                         return lock
@@ -123,24 +123,24 @@ class Parts:
 
     def _compare(self) -> None:
         """Another sweep's parts are not mixed with ours."""
-        path, wanted = self.folder / "plan.json", json.dumps(self._description, sort_keys=True).encode()
+        path, ours = self.folder / "plan.json", json.dumps(self._description, sort_keys=True).encode()
         try:
-            found = unsealed(read_whole(path, _LARGEST_PLAN))
+            theirs = unsealed(read_whole(path, _LARGEST_PLAN))
         except FileNotFoundError:
-            found = None
+            theirs = None
         except (OSError, ValueError) as error:
             raise ResultError(f"{path} cannot be read: {cause(error)}") from error
-        if found is None:  # none, or damaged: each part says itself whose it is
-            write_whole(path, sealed(wanted))
-        elif found != wanted:
-            other = json.loads(found)
-            changed = [key for key, value in json.loads(wanted).items() if other.get(key) != value]
+        if theirs is None:  # none, or damaged: each part says itself whose it is
+            write_whole(path, sealed(ours))
+        elif theirs != ours:
+            other = json.loads(theirs)
+            changed = [key for key, value in json.loads(ours).items() if other.get(key) != value]
             raise ResultError(
                 f"{self.folder} holds an unfinished sweep with other {' and '.join(changed)}; "
                 "finish that one, name another --out, or remove the folder"
             )
 
-    def _sweep(self) -> None:
+    def _remove_halves(self) -> None:
         """Remove what a killed process left half written; nobody else writes here while we have the lock."""
         for name in self._names():
             if name.startswith("."):
@@ -150,8 +150,8 @@ class Parts:
     def __iter__(self) -> Iterator[int]:
         """The parts that have a file, whole or not."""
         for name in sorted(self._names()):
-            if found := _PART.fullmatch(name):
-                yield int(found[1])
+            if part := _PART.fullmatch(name):
+                yield int(part[1])
 
     def _names(self) -> list[str]:
         try:

@@ -6,7 +6,7 @@ import hashlib
 import itertools
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from numbers import Integral
 from pathlib import Path
 
@@ -24,14 +24,13 @@ from ..files.quote import shown
 from ..scenarios.grid import time_grid
 from ..scenarios.layers import Value
 from ..scenarios.paths import block_paths
-from ..scenarios.prepare import BASELINE, Prepared, prepare
+from ..scenarios.prepare import BASELINE, Prepared, assemble, prepare
 from ..scenarios.scenario import checked_number
 from .axes import Axes, Values, axes, combinations
+from .row import LAYOUT, row_of
 
 # runs of a part: about two seconds of one core
 PART = 512
-# counts up when the numbers of a part change their meaning, so that old parts are not read as new ones
-_LAYOUT = 3
 # from here on a sweep is asked for twice
 MANY_RUNS = 100_000_000
 # even one score of more of them hardly fits into a file
@@ -71,30 +70,42 @@ class Plan:
         """Integration steps of one run, of the longest where they differ."""
         return max(grid.steps for grid in self.grids())
 
+    @property
+    def row(self) -> np.dtype[np.void]:
+        """The layout of the numbers of one run."""
+        return row_of(self.observers, self.quantities, self.measures)
+
     def members(self, part: int) -> NDArray[np.int64]:
         """The runs of a part."""
         return np.arange(part * self.part, min((part + 1) * self.part, self.runs))
 
+    def points(self, runs: NDArray[np.int64]) -> Array:
+        """(runs × axes) the values that some runs have on the axes."""
+        return self.axes.at(runs // len(self.seeds))
+
+    def seeds_of(self, runs: NDArray[np.int64]) -> Seeds:
+        """(runs) the seeds of some runs."""
+        return self.seeds[runs % len(self.seeds)]
+
     def numbers(self, runs: NDArray[np.int64]) -> dict[str, Array]:
         """(runs × numbers) for each Block of the loop."""
-        points = self.axes.at(runs // len(self.seeds))
+        points = self.points(runs)
         result = {}
         for block in self.prepared.loop.blocks:
-            base = np.array(self.prepared.table.values(block, self.prepared.scenario.given))
-            rows = np.broadcast_to(base, (len(runs), len(base))).copy()
-            for column, places in self.reach(block):
-                rows[:, places] = points[:, column : column + 1]
+            own = np.array(self.prepared.table.values(block, self.prepared.scenario.given))
+            rows = np.broadcast_to(own, (len(runs), len(own))).copy()
+            for axis, places in self.reach(block):
+                rows[:, places] = points[:, axis : axis + 1]
             result[block.name] = rows
         return result
 
     def on_grids(self, runs: NDArray[np.int64]) -> Iterator[tuple[Grid, NDArray[np.intp]]]:
         """The time grids of some runs, and which of them run on each, counted within `runs`."""
         timed = [i for i, path in enumerate(self.axes.paths) if self.prepared.table.is_run(path)]
-        points = self.axes.at(runs // len(self.seeds))[:, timed]
-        kinds, which = np.unique(points, axis=0, return_inverse=True)
-        for kind, values in enumerate(kinds.tolist()):
+        times, which = np.unique(self.points(runs)[:, timed], axis=0, return_inverse=True)
+        for place, values in enumerate(times.tolist()):
             given = dict(zip((self.axes.paths[i] for i in timed), values, strict=True))
-            yield self._grid(given), np.flatnonzero(which.ravel() == kind)
+            yield self._grid(given), np.flatnonzero(which.ravel() == place)
 
     def grids(self) -> list[Grid]:
         """All time grids of the sweep."""
@@ -114,7 +125,7 @@ class Plan:
             "seeds": self.seeds.tolist(),
             "observers": list(self.observers),
             "scored": [list(self.quantities), list(self.measures)],
-            "code": [library, self.part, _LAYOUT],
+            "code": [library, self.part, LAYOUT],
         }
 
     def _grid(self, given: Mapping[str, float]) -> Grid:
@@ -123,13 +134,12 @@ class Plan:
 
     def reach(self, block: Block) -> list[tuple[int, list[int]]]:
         """For each axis, the places among the numbers of `block` that it sets."""
-        table, given = self.prepared.table, self.prepared.scenario.given
-        # a number that no one gives marks what follows from each axis
-        marks = {path: float(np.nextafter(np.inf, 0)) / (i + 2) for i, path in enumerate(self.axes.paths)}
-        marked = {**given, **table.spread(marks)}
-        found = [table.value(path, marked) for path in block_paths(block)]
-        reach = [(i, [at for at, value in enumerate(found) if value == mark]) for i, mark in enumerate(marks.values())]
-        return [(i, places) for i, places in reach if places]
+        table = self.prepared.table
+        axis_of = table.spread({path: axis for axis, path in enumerate(self.axes.paths)})
+        given = {*self.prepared.scenario.given, *axis_of}
+        setters = [axis_of.get(table.origin(path, given)) for path in block_paths(block)]
+        places = [[i for i, setter in enumerate(setters) if setter == axis] for axis in range(len(self.axes.paths))]
+        return [(axis, set_there) for axis, set_there in enumerate(places) if set_there]
 
 
 def plan(
@@ -146,19 +156,19 @@ def plan(
     """Everything of a sweep that can be wrong before it starts. ScenarioError says what is."""
     if "seed" in (changes or {}):
         raise ScenarioError("a sweep has seeds of its own; use seeds, not a change of seed")
-    chosen, wanted = _observers(observers, over)
+    asked, estimators = _observers(observers, over)
     # in the order of the tables, whatever the order asked for; the RMSE is always among the measures
     scored = _chosen("quantity", quantities, QUANTITIES), _chosen("measure", ["rmse", *measures], MEASURES)
-    prepared = prepare(source, chosen, changes or {}, *scored)
-    made = axes(over, kind, samples)
-    for path, values in zip(made.paths, made.values, strict=True):
+    prepared = prepare(source, asked, changes or {}, *scored)
+    swept = axes(over, kind, samples)
+    for path, values in zip(swept.paths, swept.values, strict=True):
         if path in ("seed", "record") or not prepared.table.expand(path):
             raise ScenarioError(f"{path} cannot be swept" + ("; use seeds" if path == "seed" else ""))
         for value in np.unique(values).tolist():
             checked_number(path, value, prepared.table)
-    result = Plan(prepared, made, _seeds(seeds), wanted or prepared.observers, *scored, PART)
+    result = Plan(prepared, swept, _seeds(seeds), estimators or prepared.observers, *scored, PART)
     _check_effect(result)
-    _check_together(result, source, chosen, changes or {})
+    _check_together(result, tuple(observer for observer in asked or () if isinstance(observer, Block)))
     return result
 
 
@@ -172,28 +182,30 @@ def _chosen(what: str, names: Sequence[str], known: Sequence[str]) -> tuple[str,
     return tuple(name for name in known if name in names)
 
 
-def _check_effect(wanted: Plan) -> None:
+def _check_effect(plan: Plan) -> None:
     """Each axis must change a number of what runs."""
-    loop = wanted.prepared.loop
-    running = [b for b in loop.blocks if b not in loop.observers or b.name in wanted.observers]
-    moved = {axis for block in running for axis, _ in wanted.reach(block)}
-    for i, path in enumerate(wanted.axes.paths):
-        if i not in moved and not wanted.prepared.table.is_run(path):
+    loop = plan.prepared.loop
+    running = [block for block in loop.blocks if block not in loop.observers or block.name in plan.observers]
+    effective = {axis for block in running for axis, _ in plan.reach(block)}
+    for axis, path in enumerate(plan.axes.paths):
+        if axis not in effective and not plan.prepared.table.is_run(path):
             raise ScenarioError(f"{path} changes nothing here: nothing that runs and is scored takes it")
 
 
-def _check_together(
-    wanted: Plan, source: str | Path, observers: Sequence[str | Block] | None, changes: Mapping[str, Value]
-) -> None:
-    """Each combination of numbers that limit each other must be one that could run."""
-    table = wanted.prepared.table
-    paths = [p for p in wanted.axes.paths if table.is_run(p) or p.rpartition(".")[2] in _TOGETHER]
-    every = list(itertools.islice(combinations(wanted.axes, paths), _MOST_CHECKS + 1)) if paths else []
-    if len(every) > _MOST_CHECKS:
-        raise ScenarioError(f"{', '.join(paths)} take more than {_MOST_CHECKS:,} combinations, too many to check")
-    for values in every:
+def _check_together(plan: Plan, custom: tuple[Block, ...]) -> None:
+    """Each combination of numbers that limit each other must be one that could run; `custom` are a user's observers."""
+    prepared = plan.prepared
+    table, scenario = prepared.table, prepared.scenario
+    paths = [path for path in plan.axes.paths if table.is_run(path) or path.rpartition(".")[2] in _TOGETHER]
+    if not paths:
+        return
+    rows = list(itertools.islice(combinations(plan.axes, paths), _MOST_CHECKS + 1))
+    if len(rows) > _MOST_CHECKS:
+        raise ScenarioError(f"more than {_MOST_CHECKS:,} combinations of {', '.join(paths)} are too many to check")
+    for values in rows:
+        given = {**scenario.given, **table.spread(values)}
         try:
-            prepare(source, observers, {**changes, **table.spread(values)})
+            assemble(replace(scenario, given=given), prepared.observers, custom, plan.quantities, plan.measures)
         except ScenarioError as error:
             where = ", ".join(f"{path} = {value:g}" for path, value in values.items())
             raise ScenarioError(f"at {where}: {error}") from error
@@ -207,9 +219,9 @@ def _observers(
         # an axis of one observer says nothing of the others
         owners = dict.fromkeys(path.partition(".")[0] for path in over)
         return [owner for owner in owners if owner in OBSERVERS] or None, ()
-    every = [given] if isinstance(given, str | Block) else list(given)
-    names = tuple(dict.fromkeys(o.name if isinstance(o, Block) else o for o in every))
-    asked = [observer for observer in every if observer != BASELINE]
+    listed = [given] if isinstance(given, str | Block) else list(given)
+    names = tuple(dict.fromkeys(o.name if isinstance(o, Block) else o for o in listed))
+    asked = [observer for observer in listed if observer != BASELINE]
     return asked or None, names if BASELINE in names else ()
 
 

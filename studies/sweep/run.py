@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -17,15 +17,15 @@ from ...model.symbols import QUANTITIES
 from ...observers.score import MEASURES
 from ..files.errors import ResultError, ScenarioError
 from ..files.netcdf import LARGEST_RESULT, load, save_netcdf
+from ..files.progress import CountedProgress, unseen
 from ..scenarios.layers import Value
+from ..simulate.run import recorded
 from .axes import Values
+from .cluster.client import on_cluster
 from .computing import Compute, on_threads
-from .dataset import sweep_dataset, width
+from .dataset import sweep_dataset
 from .parts import Parts
 from .plan import Plan, plan
-
-# runs done so far, of all; runs of an earlier start count as done at once
-Progress = Callable[[int, int], None]
 
 
 class SweepWarning(UserWarning):
@@ -42,10 +42,10 @@ def sweep(
     samples: int = 0,
     out: str | Path | None = None,
     workers: int | None = None,
-    baseline: str | None = None,
+    target: str | None = None,
     quantities: Sequence[str] = QUANTITIES,
     measures: Sequence[str] = MEASURES,
-    progress: Progress = lambda done, all_runs: None,
+    progress: CountedProgress | None = None,
     cluster: str | None = None,
 ) -> xr.Dataset:
     """Run a scenario for all values in `over` and all seeds, and return the measures of each run.
@@ -56,8 +56,8 @@ def sweep(
     seeds: how many, from 0, or which. kind: grid, zip, or a design of `samples` points: latin, sobol.
     out: file of the result; what is computed is kept beside it, and the same call goes on where it was.
     workers: threads, or processes of a local cluster; by default one per core.
-    baseline: processors to compile for, see `hillobs.codegen.toolchain`; by default this one, or for a cluster a class
-        of them: on all machines of it, and here with the same baseline, results are the same to the bit.
+    target: processors to compile for: native, scalar, x86-64-v3, …; by default this one, or for a cluster a class of
+        them: on all machines of it, and here with the same target, results are the same to the bit.
     quantities, measures: what is scored, and how beside the RMSE; the fewer, the faster.
     cluster: `local`, or the address of a dask scheduler, see docs/scaling.md; needs the extra `cluster`.
 
@@ -67,86 +67,78 @@ def sweep(
     ScenarioError for what cannot be run, ResultError for `out`, BuildError if nothing can be compiled, ClusterError for
     a cluster that is not there, lost, or of other code.
     """
-    wanted = plan(source, over or {}, seeds, observers, changes, kind, samples, quantities, measures)
+    checked = plan(source, over or {}, seeds, observers, changes, kind, samples, quantities, measures)
     with engine(workers, cluster) as (compute, usual):
-        return sweep_planned(wanted, None if out is None else Path(out), compute, baseline or usual, progress)
+        return sweep_planned(checked, None if out is None else Path(out), compute, target or usual, progress or unseen)
 
 
 @contextlib.contextmanager
 def engine(workers: int | None, cluster: str | None) -> Iterator[tuple[Compute, str]]:
-    """What computes parts, here or on a cluster, and the baseline that goes with it."""
+    """What computes parts, here or on a cluster, and the target that goes with it."""
     if cluster is None:
         yield on_threads(workers), NATIVE
         return
-    from .cluster.client import on_cluster
-
     with on_cluster(cluster, workers) as compute:
         yield compute, PORTABLE
 
 
 def sweep_planned(
-    wanted: Plan,
-    out: Path | None,
-    compute: Compute,
-    baseline: str = NATIVE,
-    progress: Progress = lambda done, all_runs: None,
+    plan: Plan, out: Path | None, compute: Compute, target: str = NATIVE, progress: CountedProgress = unseen
 ) -> xr.Dataset:
     """Run what `plan` has checked, keeping parts and result at `out` if it is given."""
-    if (size := wanted.runs * width(wanted) * 8) > LARGEST_RESULT:
-        raise ScenarioError(f"{wanted.runs:,} runs make a result of {size / 1e9:.0f} GB; cut the sweep into several")
-    compiled = compile_loop(wanted.prepared.loop, baseline)
-    identity = wanted.identity(compiled.path.stem)
+    if (size := plan.runs * plan.row.itemsize) > LARGEST_RESULT:
+        raise ScenarioError(f"{plan.runs:,} runs make a result of {size / 1e9:.0f} GB; cut the sweep into several")
+    compiled = compile_loop(plan.prepared.loop, target)
+    identity = plan.identity(compiled.path.stem)
     if out is not None and (not out.name or out.is_dir()):
         raise ResultError(f"{str(out)!r} is no name for a result: it must be that of a file")
     if out is None:
-        return _computed(wanted, compiled, identity, baseline, compute, progress)
-    parts = Parts(out, identity, wanted.description(compiled.path.stem))
+        return _computed(plan, compiled, identity, compute, progress)
+    parts = Parts(out, identity, plan.description(compiled.path.stem), plan.row)
     if _is_there(out):
-        found = _complete(out, identity, wanted, progress)
+        result = _complete(out, identity, plan, progress)
         parts.remove_left()
-        return found
+        return result
     with parts:
         if _is_there(out):  # finished by another process just now
             parts.remove()
-            return _complete(out, identity, wanted, progress)
-        result = _computed(wanted, compiled, identity, baseline, compute, progress, parts)
+            return _complete(out, identity, plan, progress)
+        result = _computed(plan, compiled, identity, compute, progress, parts)
         save_netcdf(result, out, parts.folder)
         parts.remove()
         return result
 
 
 def _computed(
-    wanted: Plan,
+    plan: Plan,
     compiled: CompiledLoop,
     identity: str,
-    baseline: str,
     compute: Compute,
-    progress: Progress,
+    progress: CountedProgress,
     parts: Parts | None = None,
 ) -> xr.Dataset:
     """The result; what `parts` has whole is read, what it has not is computed and kept there."""
-    columns = width(wanted)
-    numbers = np.full((wanted.runs, columns), np.nan)
-    whole = {}
+    rows = np.empty(plan.runs, plan.row)
+    missing = dict.fromkeys(range(plan.parts))
     for part in parts or ():
-        if part < wanted.parts and parts and (kept := parts.read(part)) is not None:
-            whole[part] = len(wanted.members(part))
-            numbers[wanted.members(part)] = kept.reshape(-1, columns)
+        if part in missing and parts and (kept := parts.read(part)) is not None:
+            rows[plan.members(part)] = kept
+            del missing[part]
     if parts and parts.damaged:
         words = "1 damaged part is" if parts.damaged == 1 else f"{parts.damaged} damaged parts are"
         warnings.warn(f"{parts.folder}: {words} computed again", SweepWarning, stacklevel=4)
-    done = sum(whole.values())
-    progress(done, wanted.runs)
-    missing = [part for part in range(wanted.parts) if part not in whole]
+    done = plan.runs - sum(len(plan.members(part)) for part in missing)
+    progress(done, plan.runs)
     # its threads end with it, however it ends
-    with contextlib.closing(compute(wanted, compiled, missing)) as found:
-        for part, computed in found:
-            numbers[wanted.members(part)] = computed
+    with contextlib.closing(compute(plan, compiled, missing)) as computed:
+        for part, fresh in computed:
+            rows[plan.members(part)] = fresh
             if parts:
-                parts.write(part, computed)
-            done += len(computed)
-            progress(done, wanted.runs)
-    return sweep_dataset(wanted, numbers, identity, compiled, baseline)
+                parts.write(part, fresh)
+            done += len(fresh)
+            progress(done, plan.runs)
+    truth = recorded(plan.prepared, compiled)[compiled.loop.truth.name]
+    return sweep_dataset(plan, rows, truth, identity, compiled)
 
 
 def _is_there(out: Path) -> bool:
@@ -156,10 +148,10 @@ def _is_there(out: Path) -> bool:
         raise ResultError(f"{out} cannot be read: {error.strerror}") from error
 
 
-def _complete(out: Path, identity: str, wanted: Plan, progress: Progress) -> xr.Dataset:
+def _complete(out: Path, identity: str, plan: Plan, progress: CountedProgress) -> xr.Dataset:
     """The result that is there already, if it is that of this sweep."""
-    found = load(out)
-    if found.attrs.get("identity") != identity:
+    result = load(out)
+    if result.attrs.get("identity") != identity:
         raise ResultError(f"{out} is there already, and is the result of something else; name another --out")
-    progress(wanted.runs, wanted.runs)
-    return found
+    progress(plan.runs, plan.runs)
+    return result

@@ -13,6 +13,7 @@ from ...files.netcdf import save_netcdf
 from ...files.writing import writable_folder
 from ...sweep.axes import Range
 from ...sweep.run import sweep
+from ..reports.sweep import optimum
 from ..terminal import print_table, user_errors
 
 _TRIO = {
@@ -33,8 +34,6 @@ _FOLDER = Path("results")
 
 def main() -> None:
     """Run the sweeps, write their results and figures, print the optima."""
-    from ..reports.sweep import optimum
-
     with user_errors():
         folder = writable_folder(_FOLDER)
         for path, values in _TRIO.items():

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import importlib
 import ipaddress
 import itertools
 import logging
@@ -17,16 +16,18 @@ from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING
 
+from ....codegen.batch import CompiledLoop
 from ...files.errors import ClusterError
 from ...files.quote import shown
+from ..computing import Compute, Computed, cores
+from ..plan import Plan
+from ..row import Rows
+from .dask import distributed
+from .local import local_client
+from .worker import order, work
 
 if TYPE_CHECKING:
     from distributed import Client, Future
-
-    from ....codegen.batch import CompiledLoop
-    from ....model.arrays import Array
-    from ..computing import Compute, Computed
-    from ..plan import Plan
 
 LOCAL = "local"
 
@@ -52,13 +53,7 @@ def on_cluster(address: str, workers: int | None = None) -> Iterator[Compute]:
         raise ClusterError(f"{shown(address)} is no cluster; there are local, tcp://HOST:PORT and tls://HOST:PORT")
     if address != LOCAL and workers is not None:
         raise ClusterError("a cluster has the workers it has; their number is chosen for --cluster local only")
-    try:
-        dask = importlib.import_module("distributed")
-    except ImportError as error:
-        raise ClusterError("a cluster needs dask: pip install 'hillobs[cluster]'") from error
-    from ..computing import cores
-    from .local import local_client
-
+    dask = distributed()
     with dask.utils.silence_logging_cmgr(logging.CRITICAL), contextlib.ExitStack() as stack:
         if address == LOCAL:
             client = stack.enter_context(local_client(workers or cores()))
@@ -66,12 +61,10 @@ def on_cluster(address: str, workers: int | None = None) -> Iterator[Compute]:
             client = stack.enter_context(_connected(address))
             warn_of_open_ports([client.scheduler.address, *client.nthreads()])
 
-        def compute(wanted: Plan, compiled: CompiledLoop, parts: Iterable[int]) -> Computed:
-            from .worker import order
-
+        def compute(plan: Plan, compiled: CompiledLoop, parts: Iterable[int]) -> Computed:
             suspects: list[int] = []
             killers: list[int] = []
-            told = order(wanted, compiled)
+            told = order(plan, compiled)
             try:
                 crew = _Crew(client, address, told)
                 yield from crew.run(parts, suspects.append)
@@ -81,7 +74,7 @@ def on_cluster(address: str, workers: int | None = None) -> Iterator[Compute]:
             except (OSError, CancelledError) as error:
                 raise ClusterError(f"the scheduler of {address} is gone") from error
             if killers:
-                raise ClusterError(_blame(wanted, killers))
+                raise ClusterError(_blame(plan, killers))
 
         yield compute
 
@@ -96,10 +89,8 @@ class _Crew:
         self._ended: queue.SimpleQueue[Future] = queue.SimpleQueue()
         self._seen = time.monotonic()  # when there was a worker or a result
 
-    def run(self, parts: Iterable[int], killed: Callable[[int], None]) -> Iterator[tuple[int, Array]]:
+    def run(self, parts: Iterable[int], killed: Callable[[int], None]) -> Iterator[tuple[int, Rows]]:
         """Parts in the order in which they are done; those whose workers died again and again go to `killed`."""
-        from .worker import work
-
         waiting = iter(parts)
         running: dict[object, tuple[int, Future]] = {}
         while True:
@@ -119,8 +110,8 @@ class _Crew:
                     killed(part)
                 else:
                     raise self._failure(future)
-            numbers = self._client.gather([future for _, future in finished])
-            yield from zip((part for part, _ in finished), numbers, strict=True)
+            rows = self._client.gather([future for _, future in finished])
+            yield from zip((part for part, _ in finished), rows, strict=True)
 
     def _room(self) -> int:
         """How many parts may be under way."""
@@ -131,11 +122,11 @@ class _Crew:
         """The futures that have ended, one at least. ClusterError if nothing can be hoped for."""
         while True:
             with contextlib.suppress(queue.Empty):
-                found = [self._ended.get(timeout=_LOOK)]
+                batch = [self._ended.get(timeout=_LOOK)]
                 while not self._ended.empty():
-                    found.append(self._ended.get())
+                    batch.append(self._ended.get())
                 self._seen = time.monotonic()
-                return found
+                return batch
             if self._client.nthreads():
                 self._seen = time.monotonic()
             elif time.monotonic() - self._seen > _PATIENCE:
@@ -151,12 +142,12 @@ class _Crew:
 
 @contextlib.contextmanager
 def _connected(address: str) -> Iterator[Client]:
-    dask = importlib.import_module("distributed")
+    dask = distributed()
 
     async def knock() -> None:
         """Connect once: dask's own client would wait for ever for what is no scheduler."""
-        own = dask.Security().get_connection_args("client")
-        comm = await asyncio.wait_for(dask.comm.connect(address, timeout=_ANSWER, **own), _ANSWER)
+        security = dask.Security().get_connection_args("client")
+        comm = await asyncio.wait_for(dask.comm.connect(address, timeout=_ANSWER, **security), _ANSWER)
         await comm.close()
 
     try:
@@ -175,8 +166,8 @@ def _connected(address: str) -> Iterator[Client]:
 def warn_of_open_ports(addresses: Iterable[str]) -> None:
     """Say if anyone on the network can read, and run code."""
     for address in addresses:
-        found = _ADDRESS.fullmatch(address)
-        if found and found[1] != "tls" and not _is_loopback(found[2].strip("[]")):
+        known = _ADDRESS.fullmatch(address)
+        if known and known[1] != "tls" and not _is_loopback(known[2].strip("[]")):
             message = (
                 f"{address} is open: who can reach its port can run code there and read what is sent; "
                 "use tls://, see docs/scaling.md"
@@ -191,14 +182,13 @@ def _is_loopback(host: str) -> bool:
     return host == "localhost"
 
 
-def _blame(wanted: Plan, parts: list[int]) -> str:
+def _blame(plan: Plan, parts: list[int]) -> str:
     """The parts that ended their workers, and what the runs of the first have in common."""
-    runs = wanted.members(parts[0])
-    points = wanted.axes.at(runs // len(wanted.seeds))
-    seeds = wanted.seeds[runs % len(wanted.seeds)]
-    columns = [*zip(wanted.axes.paths, points.T, strict=True), ("seed", seeds)]
+    runs = plan.members(parts[0])
+    columns = [*zip(plan.axes.paths, plan.points(runs).T, strict=True), ("seed", plan.seeds_of(runs))]
     where = ", ".join(f"{name} = {_span(values.tolist())}" for name, values in columns)
-    more = f"; {len(parts) - 1} more parts did too" if len(parts) > 1 else ""
+    others = len(parts) - 1
+    more = f"; {others} more part{'s' if others > 1 else ''} did too" if others else ""
     return f"part {parts[0]} ended every worker that took it: runs {runs[0]:,} to {runs[-1]:,}, {where}{more}"
 
 

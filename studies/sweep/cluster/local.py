@@ -13,6 +13,8 @@ import threading
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from .dask import distributed
+
 if TYPE_CHECKING:
     from distributed import Client, Security
 
@@ -30,7 +32,7 @@ def local_client(workers: int) -> Iterator[Client]:
     machine. The workers are commands of their own: a script needs no `if __name__ == "__main__"`, and a Ctrl-C in the
     terminal reaches us alone.
     """
-    dask, config = importlib.import_module("distributed"), importlib.import_module("dask").config
+    dask, config = distributed(), importlib.import_module("dask.config")
     security = dask.Security.temporary()
     with contextlib.ExitStack() as stack:
         stack.enter_context(config.set(_settings(security)))

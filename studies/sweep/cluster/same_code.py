@@ -1,4 +1,4 @@
-"""Whether two machines run the same code: bit-equal results hang on it."""
+"""Whether two machines run the same code: without it their results differ in the last bits."""
 
 from __future__ import annotations
 
@@ -40,21 +40,21 @@ def difference(there: Mapping[str, str], here: Mapping[str, str]) -> str:
     """What differs between two machines, or an empty text if both compute the same bits."""
     if all(there.get(name) == here[name] for name in _NEEDED):
         return ""
-    other = [name for name in here if there.get(name) != here[name]]
+    different = [name for name in here if there.get(name) != here[name]]
     # the library differs because something else does, if we know what
-    told = [name for name in other if name != "compiled library"] or other
-    return ", ".join(f"{name} {there.get(name, 'unknown')} there and {here[name]} here" for name in told)
+    named = [name for name in different if name != "compiled library"] or different
+    return ", ".join(f"{name} {there.get(name, 'unknown')} there and {here[name]} here" for name in named)
 
 
 def _source() -> str:
     """A hash of hillobs' own files: what a version number does not tell of a checkout."""
-    found = hashlib.sha256()
+    digest = hashlib.sha256()
     for room in _ROOMS:
         root = Path(str(resources.files(f"hillobs.{room}")))
         for path in sorted(path for path in root.rglob("*") if path.suffix in _SOURCES):
             name = f"{room}/{path.relative_to(root).as_posix()}"
-            found.update(f"{name}\n".encode() + hashlib.sha256(path.read_bytes()).digest())
-    return found.hexdigest()[:_SHORT]
+            digest.update(f"{name}\n".encode() + hashlib.sha256(path.read_bytes()).digest())
+    return digest.hexdigest()[:_SHORT]
 
 
 def _processor() -> str:

@@ -3,32 +3,32 @@
 from __future__ import annotations
 
 import functools
-import importlib
 import json
 import threading
 from typing import Any
 
 from ....codegen.batch import CompiledLoop, compile_loop
 from ....codegen.cache import BuildError
-from ....model.arrays import Array
 from ...files.errors import ClusterError
-from ..computing import compute_part
 from ..plan import Plan
-from ..plan_text import plan_of, text_of
+from ..points import compute_part
+from ..row import Rows
+from .dask import distributed
+from .plan_text import plan_of, text_of
 from .same_code import code, difference
 
 # threads of one worker do not build the same thing twice
 _building = threading.Lock()
 
 
-def order(wanted: Plan, compiled: CompiledLoop) -> str:
+def order(plan: Plan, compiled: CompiledLoop) -> str:
     """What a worker is told: the plan, for which processors to compile it, and what must be the same there."""
-    return json.dumps({"plan": text_of(wanted), "target": compiled.target, "code": code(compiled.path)})
+    return json.dumps({"plan": text_of(plan), "target": compiled.target, "code": code(compiled.path)})
 
 
-def work(told: str, part: int) -> Array:
-    """The numbers of one part, on a worker. ClusterError if it would run other code than the one who asks."""
-    dask = importlib.import_module("distributed")
+def work(told: str, part: int) -> Rows:
+    """The rows of one part, on a worker. ClusterError if its code differs from that of the machine that asks."""
+    dask = distributed()
     me: Any = dask.get_worker()
     leaving = {dask.core.Status[name] for name in ("stopping", "closing", "closed", "failed")}
 
@@ -39,17 +39,17 @@ def work(told: str, part: int) -> Array:
 
     try:
         with _building:
-            wanted, compiled = _prepared(told, me.address)
+            plan, compiled = _prepared(told, me.address)
     except BuildError as error:
         raise ClusterError(f"worker {me.address}: {error}") from error
-    return compute_part(wanted, compiled, part, check)
+    return compute_part(plan, compiled, part, check)
 
 
 @functools.lru_cache(maxsize=4)
 def _prepared(told: str, address: str) -> tuple[Plan, CompiledLoop]:
     content = json.loads(told)
-    wanted = plan_of(content["plan"])
-    compiled = compile_loop(wanted.prepared.loop, content["target"])
-    if other := difference(code(compiled.path), content["code"]):
-        raise ClusterError(f"worker {address} would not compute the same numbers: {other}")
-    return wanted, compiled
+    plan = plan_of(content["plan"])
+    compiled = compile_loop(plan.prepared.loop, content["target"])
+    if words := difference(code(compiled.path), content["code"]):
+        raise ClusterError(f"worker {address} would not compute the same numbers: {words}")
+    return plan, compiled

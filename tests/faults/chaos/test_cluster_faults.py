@@ -27,7 +27,7 @@ START = 2.0  # seconds
 @pytest.mark.parametrize("at_once", [False, True])
 def test_whoever_dies_the_bits_are_the_same(at_once: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(planning, "PART", 64)
-    whole = sweep("paper-noisy", OVER, seeds=400, changes=SHORTER, baseline=PORTABLE)
+    whole = sweep("paper-noisy", OVER, seeds=400, changes=SHORTER, target=PORTABLE)
     fate = random.Random(int(at_once))
     started: list[subprocess.Popen[bytes]] = []
     deaths: list[int] = []

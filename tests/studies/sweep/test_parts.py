@@ -17,11 +17,13 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, precondition, rule, run_state_machine_as_test
 
+from hillobs.observers.score import MEASURES
 from hillobs.studies.files.errors import ResultError
 from hillobs.studies.files.netcdf import sealed
 from hillobs.studies.sweep import computing
 from hillobs.studies.sweep import plan as planning
-from hillobs.studies.sweep import run as sweeping
+from hillobs.studies.sweep.parts import Parts
+from hillobs.studies.sweep.row import row_of
 from hillobs.studies.sweep.run import SweepWarning, sweep
 
 EPS = {"high_gain.eps_h": [0.05, 0.1, 0.2, 0.4, 0.8]}
@@ -126,13 +128,17 @@ def test_flipped_bits_are_found(unfinished: Sweep, untouched: bytes, first: int)
     draw = random.Random(first)
     for bit in [0, 8 * len(good) - 1, *draw.sample(range(8 * len(good)), 13)]:
         flip(path, bit)
-        with sweeping.Parts(unfinished.out, identity(good), description(unfinished)) as parts:
+        with Parts(unfinished.out, identity(good), description(unfinished), ROW) as parts:
             assert parts.read(1) is None
             assert parts.damaged == 1
         path.write_bytes(good)
     flip(path, 8 * 1000 + 3)
     flip(unfinished.whole()[2], 8 * 200)
     assert_computed_again(unfinished, [1, 2], untouched)
+
+
+# of the sweeps here
+ROW = row_of(["high_gain"], ["x2"], MEASURES)
 
 
 def identity(part: bytes) -> str:
@@ -424,10 +430,13 @@ def test_any_history_ends_in_the_same_result(machine: type[Machine]) -> None:
 def test_numbers_of_any_kind_are_kept_bit_by_bit(tmp_path: Path) -> None:
     bits = np.random.default_rng(1).integers(0, 2**64, 999, dtype=np.uint64)
     odd = np.array([np.nan, -np.nan, np.inf, -np.inf, -0.0, 5e-324, 1.7976931348623157e308])
-    numbers = np.concatenate([bits.view(np.float64), odd])
-    with sweeping.Parts(tmp_path / "x.nc", "me", {}) as parts:
-        parts.write(7, numbers)
+    rows = np.zeros(len(bits) + len(odd), ROW)
+    rows["rmse"] = np.concatenate([bits.view(np.float64), odd])[:, None, None]
+    rows["failure"] = np.arange(len(rows))[:, None] - 500
+    with Parts(tmp_path / "x.nc", "me", {}, ROW) as parts:
+        parts.write(7, rows)
         assert list(parts) == [7]
-        np.testing.assert_array_equal(parts.read(7).view(np.uint64), numbers.view(np.uint64))
+        assert parts.read(7).dtype == ROW
+        assert parts.read(7).tobytes() == rows.tobytes()
         assert parts.read(8) is None
         assert parts.damaged == 0

@@ -1,7 +1,6 @@
 """Every parameter that a sweep can vary reaches its runs: whose numbers it changes, and to what."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 import pytest
@@ -16,8 +15,8 @@ from hillobs.studies.scenarios.loops import full_table
 from hillobs.studies.scenarios.paths import RUN, block_paths
 from hillobs.studies.scenarios.prepare import BASELINE, prepare
 from hillobs.studies.simulate.run import simulate
-from hillobs.studies.sweep.computing import compute_part
 from hillobs.studies.sweep.plan import Plan, plan
+from hillobs.studies.sweep.points import run_points
 from hillobs.studies.sweep.run import sweep
 
 OBSERVERS = (BASELINE, "high_gain", "sliding_mode", "adaptive_sliding_mode")
@@ -63,31 +62,17 @@ def another(path: str, own: float) -> float:
     return own * (1.01 if not full_table().paths[path].objection(own * 1.01) else 0.99) or 0.01
 
 
-@dataclass(frozen=True)
-class Together(Plan):
-    """The runs of many sweeps as one part."""
-
-    rows: Mapping[str, Array]
-
-    def members(self, part: int) -> np.ndarray:
-        return np.arange(len(self.rows["truth"]))
-
-    def numbers(self, runs: np.ndarray) -> dict[str, Array]:
-        return {name: rows[runs] for name, rows in self.rows.items()}
-
-
 def run_together(sweeps: list[Plan]) -> np.ndarray:
-    """(sweeps × points × observers × measures × quantities) of sweeps that have equally many points."""
+    """(sweeps × points × observers × measures × quantities) of sweeps with equally many points, in one batch."""
     base = sweeps[0]
     points = [one.numbers(np.arange(one.runs)) for one in sweeps]
-    rows = {name: np.concatenate([numbers[name] for numbers in points]) for name in points[0]}
-    empty = plan("challenge", {}, 1, OBSERVERS).axes
-    together = Together(base.prepared, empty, base.seeds, base.observers, QUANTITIES, MEASURES, base.part, rows)
-    numbers = compute_part(together, compile_loop(base.prepared.loop), 0)
-    each = numbers[:, :-2].reshape(len(sweeps), base.runs, len(OBSERVERS), -1)
-    assert np.isnan(each[..., -2]).all(), "an observer failed"
-    assert np.isnan(numbers[:, -2]).all(), "the plant failed"
-    return each[..., :-2].reshape(*each.shape[:-1], len(MEASURES), len(QUANTITIES))
+    parameters = {name: np.concatenate([numbers[name] for numbers in points]) for name in points[0]}
+    seeds = np.zeros(len(sweeps) * base.runs, dtype=np.uint64)
+    rows = run_points(base, compile_loop(base.prepared.loop), base.prepared.grid, seeds, parameters)
+    assert np.isnan(rows["failed_at"]).all(), "an observer failed"
+    assert np.isnan(rows["plant_failed_at"]).all(), "the plant failed"
+    scores = np.stack([rows[measure] for measure in MEASURES], axis=2)
+    return scores.reshape(len(sweeps), base.runs, *scores.shape[1:])
 
 
 def same(one: Array, other: Array) -> bool:

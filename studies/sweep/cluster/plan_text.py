@@ -8,17 +8,17 @@ from typing import Any
 
 import numpy as np
 
-from ...observers import OBSERVERS
-from ..files.errors import ScenarioError
-from ..scenarios.prepare import BASELINE, assemble
-from ..scenarios.scenario import Scenario
-from .axes import Axes
-from .plan import Plan
+from ....observers import OBSERVERS
+from ...files.errors import ScenarioError
+from ...scenarios.prepare import BASELINE, assemble
+from ...scenarios.scenario import Scenario
+from ..axes import Axes
+from ..plan import Plan
 
 
-def text_of(wanted: Plan) -> str:
+def text_of(plan: Plan) -> str:
     """A Plan as JSON, each number to its last bit. ScenarioError if it holds an observer that is not ours."""
-    prepared = wanted.prepared
+    prepared = plan.prepared
     if foreign := [b.name for b in prepared.loop.observers if b.name not in (BASELINE, *OBSERVERS)]:
         raise ScenarioError(
             f"{foreign[0]} is a Block of this process, which no text can send; sweep it without a cluster"
@@ -28,11 +28,11 @@ def text_of(wanted: Plan) -> str:
         "scenario": [scenario.name, scenario.description, scenario.seed, dict(scenario.choices), dict(scenario.given)],
         "prepared": list(prepared.observers),
         # the values themselves: another machine's exp may round a range otherwise
-        "axes": [wanted.axes.kind, dict(zip(wanted.axes.paths, (v.tolist() for v in wanted.axes.values), strict=True))],
-        "seeds": wanted.seeds.tolist(),
-        "observers": list(wanted.observers),
-        "scored": [list(wanted.quantities), list(wanted.measures)],
-        "part": wanted.part,
+        "axes": [plan.axes.kind, dict(zip(plan.axes.paths, (v.tolist() for v in plan.axes.values), strict=True))],
+        "seeds": plan.seeds.tolist(),
+        "observers": list(plan.observers),
+        "scored": [list(plan.quantities), list(plan.measures)],
+        "part": plan.part,
     }
     return json.dumps(content, allow_nan=False)
 
