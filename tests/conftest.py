@@ -42,7 +42,9 @@ def command(
         except SystemExit as end:
             code = int(end.code or 0)
         captured = capsys.readouterr()
-        return code, captured.out, captured.err
+        # which test is the first to compile a library is chance
+        complaints = [line for line in captured.err.splitlines(keepends=True) if "hillobs: compiling " not in line]
+        return code, captured.out, "".join(complaints)
 
     return run
 

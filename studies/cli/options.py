@@ -13,7 +13,7 @@ from ..files.errors import ScenarioError
 from ..files.numbers import whole_number
 from ..scenarios.layers import Value, shipped
 from ..scenarios.loops import full_table
-from ..scenarios.scenario import CHOICES, parse_change
+from ..scenarios.scenario import parse_change, valid_choices
 from ..sweep.axes import Values, parse_axis
 
 Command = TypeVar("Command", bound=Callable[..., Any])
@@ -109,9 +109,9 @@ def _complete_observers(ctx: click.Context, param: click.Parameter, incomplete: 
 def _complete_paths(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
     path, equals, _ = incomplete.partition("=")
     if equals:
-        return _beginning((f"{path}={value}" for value in CHOICES.get(path, ())), incomplete)
+        return _beginning((f"{path}={value}" for value in valid_choices().get(path, ())), incomplete)
     table = full_table()
-    return _beginning((f"{known}=" for known in (*CHOICES, *table.groups(), *table.paths)), incomplete)
+    return _beginning((f"{known}=" for known in (*valid_choices(), *table.groups(), *table.paths)), incomplete)
 
 
 def _beginning(words: Iterable[str], incomplete: str) -> list[CompletionItem]:

@@ -48,11 +48,11 @@ def simulate(
         if typed is not None:
             changes |= dict([parse_change(f"{path}={typed}")])
     runs = [prepare(name, list(observers) or None, changes) for name in scenarios or _PAPER]
-    refuse_same_names([prepared.scenario.name for prepared in runs])
+    refuse_same_names([prepared.label for prepared in runs])
     folder = writable_folder(Path(out))
     failed = False
     for prepared in runs:
-        name = prepared.scenario.name
+        name = prepared.label
         with bar(f"{name}: simulating") as advance, warnings.catch_warnings():
             warnings.simplefilter("ignore", RunWarning)  # its reason is printed below
             dataset = simulate_prepared(prepared, advance)

@@ -47,7 +47,7 @@ _INTERRUPTED, _NUMERICAL = 128, 1
 )
 @click.option("--no-figures", is_flag=True, help="Write no figures.")
 @whole_option("--workers", 1, "Threads, or processes of a local cluster; one per core by default.")
-@click.option("--baseline", metavar="NAME", help="Processors to compile for: this one; for a cluster, a class of them.")
+@click.option("--target", metavar="NAME", help="Processors to compile for: this one; for a cluster, a class of them.")
 @click.option(
     "--cluster", metavar="ADDRESS|local", help="Run on the dask scheduler at tls://HOST:PORT, or on one made here."
 )
@@ -65,7 +65,7 @@ def sweep(
     kinds: tuple[str, ...],
     no_figures: bool,
     workers: int | None,
-    baseline: str | None,
+    target: str | None,
     cluster: str | None,
     yes: bool,
 ) -> None:
@@ -92,7 +92,7 @@ def sweep(
                 pace(done, of)
 
             try:
-                dataset = sweep_planned(planned, path, compute, baseline or usual, progress)
+                dataset = sweep_planned(planned, path, compute, target or usual, progress)
             except ClusterError as error:
                 raise ClusterError(f"{error}{_kept(out)}") from error
         for note in (*pace.sentences(), *notes(dataset)):

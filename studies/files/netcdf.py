@@ -22,10 +22,10 @@ def save_netcdf(dataset: xr.Dataset, path: Path, folder: Path | None = None) -> 
     write_whole(path, _netcdf(dataset), folder)
 
 
-def load(path: Path) -> xr.Dataset:
+def load(path: str | Path) -> xr.Dataset:
     """A result that `save` or `save_netcdf` has written. ResultError if it is none, or damaged."""
     try:
-        content = unsealed(read_whole(path, LARGEST_RESULT))
+        content = unsealed(read_whole(Path(path), LARGEST_RESULT))
     except (OSError, ValueError) as error:
         raise ResultError(f"{path} cannot be read: {cause(error)}") from error
     if content is None:

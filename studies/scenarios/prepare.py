@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,6 +23,9 @@ from .scenario import Scenario, choices, curves_of, scenario
 
 BASELINE = "baseline"
 
+# a name of a file has at most 255 bytes; what is longer gets so many digits of a hash
+_LONGEST_LABEL, _DIGITS = 120, 8
+
 
 @dataclass(frozen=True)
 class Prepared:
@@ -32,6 +36,19 @@ class Prepared:
     table: Table
     grid: Grid
     observers: tuple[str, ...]
+
+    @property
+    def label(self) -> str:
+        """The scenario and what is changed beside it, such as `paper-noisy,high_gain.eps_h=0.2`: files are named so."""
+        changes = [
+            f"{path}={_spelled(value)}" for path, value in self.scenario.changes.items() if path != "description"
+        ]
+        observers = [] if self.observers == tuple(OBSERVERS) else self.observers
+        label = ",".join([self.scenario.name, *changes, *observers])
+        if len(label) <= _LONGEST_LABEL:
+            return label
+        digest = hashlib.sha256(label.encode()).hexdigest()[:_DIGITS]
+        return f"{self.scenario.name},{len(changes) + len(observers)} changes,{digest}"
 
     def value(self, path: str) -> float:
         """The number at `path`."""
@@ -69,6 +86,10 @@ def prepare(
         raise ScenarioError(f"the name {clash[0]!r} is taken; give your observer another one")
     table = full_table(custom, curves_of(choices(stacked)))
     return assemble(scenario(name, stacked, table), chosen, custom, quantities, measures)
+
+
+def _spelled(value: object) -> str:
+    return f"{value:g}" if isinstance(value, float) else str(value)
 
 
 def assemble(

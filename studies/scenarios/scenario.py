@@ -32,13 +32,14 @@ _GROUPED = {"muscle.curves": tuple(f"{muscle}.curves" for muscle in MUSCLES)}
 
 @dataclass(frozen=True)
 class Scenario:
-    """A name, a sentence, the choices, and the numbers that differ from the defaults, by path."""
+    """A name, a sentence, the choices, and the numbers that are given, by path; `changes` are those beside its file."""
 
     name: str
     description: str = ""
     seed: int = 0
     choices: Mapping[str, str] = field(default_factory=dict)
     given: Numbers = field(default_factory=dict)
+    changes: Mapping[str, object] = field(default_factory=dict)
 
     @property
     def drive(self) -> str:
@@ -82,10 +83,11 @@ def scenario(name: str, layers: Sequence[Layer], table: Table) -> Scenario:
                     description = text(path, value)
                 elif path == "seed":
                     seed = _seed(value)
-                elif not is_choice(path) and not _is_empty_section(path, value, table):
+                elif path not in valid_choices() and not _is_empty_section(path, value, table):
                     numbers[path] = checked_number(path, value, table)
             given |= table.spread(numbers)
-    return Scenario(name, description, seed, choices(layers), given)
+    changes = {path: value for layer in layers if not layer.origin for path, value in layer.leaves.items()}
+    return Scenario(name, description, seed, choices(layers), given, changes)
 
 
 def parse_change(typed: str) -> tuple[str, Value]:
@@ -93,15 +95,15 @@ def parse_change(typed: str) -> tuple[str, Value]:
     path, equals, value = typed.partition("=")
     if not equals or not path:
         raise ScenarioError(f"{shown(typed)} is not PATH=VALUE, such as plant.m=1.2")
-    if is_choice(path) or path == "description":
+    if path in valid_choices() or path == "description":
         return path, value
     number = parse_number(path, value)
     return path, number if path != "seed" else _whole(value)
 
 
-def is_choice(path: str) -> bool:
-    """Whether the value of a path is one of some names, no number."""
-    return path in CHOICES or path in _GROUPED
+def valid_choices() -> dict[str, tuple[str, ...]]:
+    """Each path whose value is one of some names, no number, with these; groups too."""
+    return {**CHOICES, **{group: CHOICES[members[0]] for group, members in _GROUPED.items()}}
 
 
 def checked_number(path: str, value: object, table: Table) -> float:

@@ -91,8 +91,9 @@ def _manifest(prepared: Prepared, traces: Mapping[str, Trace], library: str) -> 
         if trace.failure
     }
     return {
-        "title": f"hillobs: {scenario.name}",
+        "title": f"hillobs: {prepared.label}",
         **repeatable(prepared),
+        "run": prepared.label,
         "seed": str(scenario.seed),
         "unused": json.dumps(_unused(prepared)),
         "guards": json.dumps({name: times for name, times in guards.items() if times}),
@@ -119,11 +120,12 @@ def repeatable(prepared: Prepared) -> dict[str, str]:
 
 
 def _unused(prepared: Prepared) -> list[str]:
-    """What the scenario gives and no Block of this loop takes: the controller's numbers where there is none, …."""
-    blocks = prepared.loop.blocks
+    """What the scenario gives in vain: numbers that no Block of this loop takes, unless they are the usual ones."""
+    blocks, given = prepared.loop.blocks, prepared.scenario.given
     used = {*RUN, *(path for block in blocks for path in block_paths(block))}
     used |= {parameter.shared for block in blocks for parameter in block.parameters.values()}
-    return [path for path in prepared.scenario.given if path not in used]
+    usual = {path: prepared.table.value(path, {p: v for p, v in given.items() if p != path}) for path in given}
+    return [path for path, value in given.items() if path not in used and value != usual[path]]
 
 
 def _explain(name: str, failure: Failure, violated: Sequence[str]) -> str:

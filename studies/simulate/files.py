@@ -22,7 +22,7 @@ _ESTIMATES = ("x1_hat", "x2_hat", "Delta_hat", "x3_hat", "u1_hat", "x4_hat", "u2
 
 def save(dataset: xr.Dataset, folder: Path) -> list[Path]:
     """The Dataset as NetCDF, its time series and its measures as CSV; the paths written."""
-    stem = dataset.attrs["scenario"]
+    stem = dataset.attrs["run"]
     paths = [folder / f"{stem}{ending}" for ending in (".nc", ".csv", "-measures.csv")]
     save_netcdf(dataset, paths[0])
     write_csv(paths[1], list(columns(dataset)))

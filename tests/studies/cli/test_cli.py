@@ -1,6 +1,7 @@
 """The command line as a user meets it: exit codes, sentences, files."""
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -9,13 +10,22 @@ from pathlib import Path
 import pytest
 
 SHORT = ["--set", "duration=0.2", "--set", "score.start=0.1"]
+# what is changed beside a scenario is in the names of its files
+CHANGED = ",duration=0.2,score.start=0.1"
+
+
+def measures_in(folder: Path) -> str:
+    """The measures of the one run in a folder."""
+    (path,) = folder.glob("*-measures.csv")
+    return path.read_text()
 
 
 def test_without_an_argument_the_papers_two_are_run(command, tmp_path: Path) -> None:
     code, out, err = command("simulate", *SHORT, "--no-figures")
     assert (code, err) == (0, "")
-    names = sorted(path.name for path in (tmp_path / "results").iterdir())
-    assert names == [f"paper-{kind}{end}" for kind in ("clean", "noisy") for end in ("-measures.csv", ".csv", ".nc")]
+    names = {path.name for path in (tmp_path / "results").iterdir()}
+    endings = ("-measures.csv", ".csv", ".nc")
+    assert names == {f"paper-{kind}{CHANGED}{ending}" for kind in ("clean", "noisy") for ending in endings}
     assert "root mean square error over [0.1, 0.2]" in out
     assert "28.17 > 28.17446 does not hold" in out
 
@@ -25,7 +35,7 @@ def test_figures_are_written_and_drawn_again(command, tmp_path: Path) -> None:
     assert code == 0
     first = {path.name: path.read_bytes() for path in (tmp_path / "here").glob("*.p*")}
     assert len(first) == 10
-    code, out, _ = command("figures", "here/paper-clean.nc", "--out", "again")
+    code, out, _ = command("figures", f"here/paper-clean{CHANGED}.nc", "--out", "again")
     assert (code, out) == (0, "written to again/: 5 figures as PNG and PDF\n")
     assert {path.name: path.read_bytes() for path in (tmp_path / "again").glob("*.p*")} == first
 
@@ -38,6 +48,59 @@ def test_only_the_observers_asked_for_run(command) -> None:
     assert "seed 4" in out
     assert "SMO" in out
     assert "HGO" not in out
+
+
+def test_alone_it_shows_its_help(command) -> None:
+    assert command() == command("--help")
+    code, out, err = command()
+    assert (code, err) == (0, "")
+    assert out.count("\n") > 10
+    for name in ("simulate", "sweep", "estimate", "observability"):
+        assert re.search(rf"^  {name} +\S", out, re.MULTILINE)
+
+
+def test_a_changed_run_does_not_replace_the_run_as_shipped(command, tmp_path: Path) -> None:
+    for changes in ([], ["--set", "high_gain.eps_h=0.2"], ["--observer", "high_gain"]):
+        command("simulate", "paper-clean", "--no-figures", *changes)
+    names = {path.name for path in (tmp_path / "results").glob("*.nc")}
+    assert names == {"paper-clean.nc", "paper-clean,high_gain.eps_h=0.2.nc", "paper-clean,high_gain.nc"}
+    many = [
+        word for path in ("h11", "h12", "h13", "h21", "h22", "h31", "h32") for word in ("--set", f"high_gain.{path}=2")
+    ]
+    code, out, _ = command("simulate", "paper-clean", "--no-figures", *many)
+    assert code == 0
+    assert re.search(r"paper-clean,7 changes,[0-9a-f]{8}\.nc", out)
+
+
+def test_a_shown_scenario_says_nothing_of_numbers_that_nobody_touched(command, tmp_path: Path) -> None:
+    _, text, _ = command("show", "activation")
+    (tmp_path / "my.toml").write_text(text)
+    assert "without effect" not in command("simulate", "my.toml", *SHORT, "--no-figures")[1]
+    (tmp_path / "my.toml").write_text(text.replace("k_c = 0.0", "k_c = 5.0"))
+    assert (
+        "without effect while plant.drive = given: controller.k_c\n"
+        in command("simulate", "my.toml", *SHORT, "--no-figures")[1]
+    )
+
+
+COMPLETED = {
+    "hillobs sim": {"simulate"},
+    "hillobs simulate sla": {"slack", "slack-deep", "sla"},
+    "hillobs show act": {"activation", "act"},
+    "hillobs simulate --observer s": {"sliding_mode"},
+    "hillobs simulate --set high_gain.eps": {"high_gain.eps_h=", "high_gain.eps_L="},
+    "hillobs simulate --set muscle.curves=m": {"muscle.curves=millard2012"},
+    "hillobs sweep --over noise.": {"noise.x1=", "noise.force=", "noise.drift=", "noise.period="},
+}
+
+
+@pytest.mark.parametrize("words", COMPLETED)
+def test_a_shell_completes(words: str) -> None:
+    asked = {"_HILLOBS_COMPLETE": "bash_complete", "COMP_WORDS": words, "COMP_CWORD": str(words.count(" "))}
+    done = subprocess.run(
+        [Path(sys.executable).parent / "hillobs"], capture_output=True, text=True, check=True, env=os.environ | asked
+    )
+    assert {line.partition(",")[2] for line in done.stdout.splitlines()} == COMPLETED[words]
 
 
 BAD = [
@@ -118,7 +181,7 @@ def test_an_observer_that_fails_is_named_and_the_others_are_kept(command, tmp_pa
     assert err.startswith("hillobs: sliding_mode: ")
     assert "is not a finite number at τ = " in err
     assert "HGO" in out
-    text = (tmp_path / "results" / "paper-noisy-measures.csv").read_text()
+    text = measures_in(tmp_path / "results")
     assert "high_gain,x2,0.00" in text
     assert "sliding_mode,x2,,,,," in text
 
@@ -220,7 +283,7 @@ def test_a_german_locale_keeps_the_point(tmp_path: Path) -> None:
             **environment,
         )
         assert done.returncode == 0, done.stderr
-        results.append((tmp_path / name / "paper-noisy.csv").read_text())
+        results.append((tmp_path / name / f"paper-noisy{CHANGED}.csv").read_text())
     assert results[0] == results[1]
     done = in_a_process("-m", "hillobs", "simulate", "--set", "plant.m=1,5", **german)
     assert (done.returncode, done.stderr) == (2, "hillobs: plant.m must be a number, not '1,5'\n")
@@ -385,10 +448,10 @@ def test_a_folder_without_rights_is_a_sentence(tmp_path: Path) -> None:
 
 
 def test_a_result_that_cannot_be_replaced_leaves_nothing_partial(command, tmp_path: Path) -> None:
-    (tmp_path / "o" / "paper-clean.csv").mkdir(parents=True)
+    (tmp_path / "o" / f"paper-clean{CHANGED}.csv").mkdir(parents=True)
     code, _, err = command("simulate", "paper-clean", *SHORT, "--no-figures", "--out", "o")
     assert code == 2
-    assert err == "hillobs: o/paper-clean.csv cannot be written: Is a directory\n"
+    assert err == f"hillobs: o/paper-clean{CHANGED}.csv cannot be written: Is a directory\n"
     assert not [p.name for p in (tmp_path / "o").iterdir() if p.name.startswith(".")]
 
 
@@ -404,7 +467,7 @@ DAMAGE = {
 @pytest.mark.parametrize("how", DAMAGE)
 def test_figures_of_a_damaged_result_are_refused(how: str, command, tmp_path: Path) -> None:
     command("simulate", "paper-clean", *SHORT, "--no-figures", "--out", ".")
-    path = tmp_path / "paper-clean.nc"
+    path = tmp_path / f"paper-clean{CHANGED}.nc"
     path.write_bytes(DAMAGE[how](path.read_bytes()))
     # in a process of its own: a reader that is led astray by the damage may never come back
     try:
@@ -431,7 +494,7 @@ def test_each_observer_that_fails_leaves_the_others_as_they_were(observer: str, 
     assert code == 1
     assert err.startswith(f"hillobs: {observer}: ")
     assert err.count("\n") == 1
-    rows = [(tmp_path / f / "paper-noisy-measures.csv").read_text().splitlines() for f in ("good", "bad")]
+    rows = [measures_in(tmp_path / f).splitlines() for f in ("good", "bad")]
     for good, bad in zip(*rows, strict=True):
         if f",{observer}," in good:
             assert bad.endswith(",,,,,"), bad
@@ -454,7 +517,7 @@ def test_a_plant_outside_its_domain_is_named_and_has_no_measures(command, tmp_pa
     code, out, err = command("simulate", "paper-clean", *far, "--no-figures")
     assert code == 1
     assert err.startswith("hillobs: the plant: it starts outside its domain, the fibre length L_C2")
-    text = (tmp_path / "results" / "paper-clean-measures.csv").read_text().splitlines()[1:]
+    text = measures_in(tmp_path / "results").splitlines()[1:]
     assert all(row.endswith(",,,,,") for row in text)
     assert "nan" not in out
 
@@ -465,7 +528,7 @@ def test_a_fibre_that_reaches_0_on_the_way_is_named(command, tmp_path: Path) -> 
     assert code == 1
     assert err.startswith("hillobs: the plant: the fibre length L_C1 reached 0 at τ = 0.")
     assert "was slack" not in out
-    assert all(row.endswith(",,,,,") for row in (tmp_path / "results/paper-clean-measures.csv").read_text().split()[1:])
+    assert all(row.endswith(",,,,,") for row in measures_in(tmp_path / "results").split()[1:])
 
 
 def test_a_short_run_says_nothing_of_conditions_it_cannot_check(command) -> None:

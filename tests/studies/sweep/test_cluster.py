@@ -229,7 +229,7 @@ def test_a_command_on_a_local_cluster_ends_with_its_workers_and_goes_on(
     monkeypatch.undo()
     monkeypatch.chdir(tmp_path)
     for name in ("cut.nc", "whole.nc"):
-        assert command(*told, name, "--baseline", PORTABLE)[0] == 0
+        assert command(*told, name, "--target", PORTABLE)[0] == 0
     assert (tmp_path / "cut.nc").read_bytes() == (tmp_path / "whole.nc").read_bytes()
 
 

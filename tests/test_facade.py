@@ -1,0 +1,61 @@
+"""`import hillobs` is the door: it shows what there is, opens quickly, and nothing else is needed."""
+
+import inspect
+import pydoc
+import re
+import subprocess
+import sys
+
+import pytest
+
+import hillobs
+from places import DOCS, ROOT
+
+
+def test_every_public_name_is_there_and_shown() -> None:
+    assert dir(hillobs) == sorted(hillobs.__all__)
+    shown = pydoc.plain(pydoc.render_doc(hillobs))
+    for name in hillobs.__all__:
+        assert getattr(hillobs, name) is not None
+        assert name in shown or name == "__version__"
+
+
+def test_a_name_that_is_not_there_is_answered_with_those_that_are() -> None:
+    with pytest.raises(AttributeError, match=r"no attribute 'simulat'; there are .*simulate"):
+        hillobs.simulat  # noqa: B018  the question is what it answers
+
+
+def test_it_opens_without_the_heavy_modules() -> None:
+    code = "import sys, hillobs; sys.exit(any(m in sys.modules for m in ('casadi', 'numpy', 'xarray', 'matplotlib')))"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_every_error_is_a_hillobs_error_and_says_what_it_is() -> None:
+    errors = [getattr(hillobs, name) for name in hillobs.__all__ if name.endswith("Error")]
+    assert len(errors) > 5
+    assert all(issubclass(error, hillobs.Error) for error in errors)
+    for wrong in (
+        lambda: hillobs.simulate("nothing"),
+        lambda: hillobs.sweep("paper-clean", {"plant.mass": [1.0]}),
+        lambda: hillobs.estimate("nothing.csv", "nothing.toml"),
+        lambda: hillobs.observability(sensors=["x9"]),
+        lambda: hillobs.load("nothing.nc"),
+        lambda: hillobs.read_recording("nothing.csv"),
+        lambda: hillobs.read_muscles("nothing.toml"),
+        lambda: hillobs.Block("a block", x=hillobs.symbols("x")),
+    ):
+        with pytest.raises(hillobs.Error):
+            wrong()
+
+
+def test_no_signature_shows_an_address_and_every_function_is_described() -> None:
+    for name in hillobs.__all__:
+        if inspect.isfunction(thing := getattr(hillobs, name)):
+            assert " at 0x" not in str(inspect.signature(thing)), name
+            assert inspect.getdoc(thing), name
+
+
+def test_the_pages_import_nothing_else() -> None:
+    for page in (ROOT / "README.md", *DOCS.glob("*.md")):
+        inner = re.findall(r"^\s*(?:from|import) (hillobs\.\S+)", page.read_text(encoding="utf-8"), re.MULTILINE)
+        assert inner == [], page
