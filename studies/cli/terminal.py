@@ -32,13 +32,13 @@ def print_table(table: Table) -> None:
     console = Console()
     if not console.is_terminal:
         console.width = max(console.width, _PIPE_WIDTH)
-    for piece in _pieces(table, console):
+    for piece in pieces(table, console):
         with console.capture() as text:
             console.print(piece, crop=False, overflow="ignore")
         click.echo(text.get())
 
 
-def _pieces(table: Table, console: Console) -> Iterator[Table]:
+def pieces(table: Table, console: Console) -> Iterator[Table]:
     """The table in groups of columns that fit, each beside the first column."""
     others = table.columns[1:]
     chosen: list[int] = []

@@ -11,6 +11,7 @@ from ....codegen.cache import BuildError, describe_cache
 from ....codegen.toolchain import find_compiler
 from ....model.curves import CURVES
 from ....observers import OBSERVERS
+from ...files.pages import documentation
 from ...files.versions import versions
 from ...scenarios.layers import shipped
 from ...scenarios.loops import full_table
@@ -39,6 +40,7 @@ def information() -> Iterator[str]:
         yield f"compiler  {' '.join(compiler.command)}: {compiler.version.splitlines()[0]}"
     except BuildError as error:
         yield f"compiler  {error}"
+    yield f"pages     {documentation()}"
     cache = describe_cache()
     libraries = counted(int(str(cache["libraries"])), "library", "libraries")
     yield f"cache     {cache['folder']}: {libraries}, {cache['bytes']:,} bytes"
