@@ -53,7 +53,7 @@ observability: $(VENV)/.installed ## ranks, maps and figures of docs/observabili
 chaos: $(VENV)/.installed ## long fault injection: kills, full disks, races
 	$(BIN)/python -m pytest -m chaos -p no:cacheprovider
 
-# who cannot be installed here does not take part
+# peers that fail to install are skipped
 $(VENV)/.bench: $(VENV)/.installed
 	-$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[dev,bench]'
 	@touch $@

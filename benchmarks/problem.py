@@ -27,7 +27,7 @@ LEAN_SCORE = tuple(name for name in QUANTITIES if hat(name) in ESTIMATES), ("rms
 FULL_SCORE = tuple(QUANTITIES), tuple(MEASURES)
 
 
-@dataclass(frozen=True, eq=False)  # one is itself: arrays have no truth value
+@dataclass(frozen=True, eq=False)  # compared by identity: arrays have no truth value
 class Problem:
     """A loop with all its numbers. `x0` holds the 31 states at the start: the truth's, then each observer's."""
 

@@ -82,7 +82,7 @@ Parameters = Mapping[str, Parameter]
 _NAME = re.compile(r"(?=.{1,40}$)[A-Za-z][A-Za-z0-9]*(_[A-Za-z0-9]+)*")
 
 
-@dataclass(frozen=True, eq=False)  # one is itself: symbols have no equality
+@dataclass(frozen=True, eq=False)  # compared by identity: SX has no usable ==
 class Block:
     """ẋ = f(t, x, u, p), y = h(t, x, u, p), every component a named scalar.
 

@@ -21,7 +21,7 @@ Neighbours = Callable[[Sequence[ca.SX], Symbols], tuple[list[ca.SX], ca.SX]]
 _FORCE_FLOOR = 1e-12
 
 
-@dataclass(frozen=True, eq=False)  # one is itself: symbols have no equality
+@dataclass(frozen=True, eq=False)  # compared by identity: SX has no usable ==
 class CurveSet:
     """The characteristic curves of a muscle, each a function of (argument, parameters), in the units of the pair."""
 
