@@ -30,11 +30,11 @@ from .row import LAYOUT, row_of
 
 # runs of a part: about two seconds of one core
 PART = 512
-# from here on a sweep is asked for twice
+# a larger sweep must be confirmed
 MANY_RUNS = 100_000_000
-# even one score of more of them hardly fits into a file
+# with more of them, not even one score per run fits into a file
 _MOST_SEEDS = 100_000_000
-# numbers that have to fit together are checked for every combination, if there are no more than these
+# combinations of numbers that limit each other are checked one by one, up to this many
 _MOST_CHECKS = 200_000
 # the last words of paths whose numbers limit each other
 _TOGETHER = ("L_slack", "toe", "F_toe", "k", "z_max", "g_max")
@@ -63,11 +63,6 @@ class Plan:
     def parts(self) -> int:
         """How many parts they come in."""
         return -(-self.runs // self.part)
-
-    @property
-    def steps(self) -> int:
-        """Integration steps of one run, of the longest where they differ."""
-        return max(grid.steps for grid in self.grids())
 
     @property
     def row(self) -> np.dtype[np.void]:
@@ -105,11 +100,6 @@ class Plan:
         for place, values in enumerate(times.tolist()):
             given = dict(zip((self.axes.paths[i] for i in timed), values, strict=True))
             yield self._grid(given), np.flatnonzero(which.ravel() == place)
-
-    def grids(self) -> list[Grid]:
-        """All time grids of the sweep."""
-        timed = [path for path in self.axes.paths if self.prepared.table.is_run(path)]
-        return [self._grid(given) for given in combinations(self.axes, timed)]
 
     def identity(self, library: str) -> str:
         """A hash of all that determines the numbers; `library` names the code."""
