@@ -36,8 +36,8 @@ MANY_RUNS = 100_000_000
 _MOST_SEEDS = 100_000_000
 # combinations of numbers that limit each other are checked one by one, up to this many
 _MOST_CHECKS = 200_000
-# the last words of paths whose numbers limit each other
-_TOGETHER = ("L_slack", "toe", "F_toe", "k", "z_max", "g_max")
+# the last words of paths whose numbers limit each other, beside those of the time grid: a tendon's, the force factors'
+_TOGETHER = ({"L_slack", "toe", "F_toe", "k"}, {"z_max", "g_max"})
 
 Seeds = NDArray[np.uint64]
 
@@ -183,21 +183,20 @@ def _check_effect(plan: Plan) -> None:
 
 def _check_together(plan: Plan, custom: tuple[Block, ...]) -> None:
     """Each combination of numbers that limit each other must be one that could run; `custom` are a user's observers."""
-    prepared = plan.prepared
+    prepared, swept = plan.prepared, plan.axes.paths
     table, scenario = prepared.table, prepared.scenario
-    paths = [path for path in plan.axes.paths if table.is_run(path) or path.rpartition(".")[2] in _TOGETHER]
-    if not paths:
-        return
-    rows = list(itertools.islice(combinations(plan.axes, paths), _MOST_CHECKS + 1))
-    if len(rows) > _MOST_CHECKS:
-        raise ScenarioError(f"more than {_MOST_CHECKS:,} combinations of {', '.join(paths)} are too many to check")
-    for values in rows:
-        given = {**scenario.given, **table.spread(values)}
-        try:
-            assemble(replace(scenario, given=given), prepared.observers, custom, plan.quantities, plan.measures)
-        except ScenarioError as error:
-            where = ", ".join(f"{path} = {value:g}" for path, value in values.items())
-            raise ScenarioError(f"at {where}: {error}") from error
+    groups = [[path for path in swept if path.rpartition(".")[2] in words] for words in _TOGETHER]
+    for paths in filter(None, [[path for path in swept if table.is_run(path)], *groups]):
+        rows = list(itertools.islice(combinations(plan.axes, paths), _MOST_CHECKS + 1))
+        if len(rows) > _MOST_CHECKS:
+            raise ScenarioError(f"more than {_MOST_CHECKS:,} combinations of {', '.join(paths)} are too many to check")
+        for values in rows:
+            given = {**scenario.given, **table.spread(values)}
+            try:
+                assemble(replace(scenario, given=given), prepared.observers, custom, plan.quantities, plan.measures)
+            except ScenarioError as error:
+                where = ", ".join(f"{path} = {value:g}" for path, value in values.items())
+                raise ScenarioError(f"at {where}: {error}") from error
 
 
 def _observers(
