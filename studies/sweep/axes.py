@@ -68,8 +68,9 @@ class Axes:
 
     def at(self, points: NDArray[np.int64]) -> Array:
         """(points × paths) values, points counted with the last dimension running fastest."""
-        grid = self.kind == "grid" and self.shape
-        places = np.unravel_index(points, self.shape) if grid else (points,) * len(self.values)
+        places = (points,) * len(self.values)
+        if self.kind == "grid" and self.values:
+            places = np.unravel_index(points, self.shape)
         columns = [values[place] for values, place in zip(self.values, places, strict=True)]
         return np.stack(columns, axis=1) if columns else np.empty((len(points), 0))
 

@@ -44,8 +44,8 @@ def planned(kind: str, places: np.ndarray) -> Plan:
 
 def computed(plan: Plan, compiled: CompiledLoop, threads: int) -> Rows:
     rows = np.zeros(plan.runs, plan.row)
-    for part, computed in on_threads(threads)(plan, compiled, range(plan.parts)):
-        rows[plan.members(part)] = computed
+    for part, numbers in on_threads(threads)(plan, compiled, range(plan.parts)):
+        rows[plan.members(part)] = numbers
     return rows
 
 
