@@ -105,9 +105,9 @@ def _manifest(prepared: Prepared, traces: Mapping[str, Trace], library: str) -> 
 
 def repeatable(prepared: Prepared) -> dict[str, str]:
     """All numbers and choices of a scenario, and the versions that ran it, as text for NetCDF."""
-    scenario, every = prepared.scenario, prepared.table
+    scenario, table = prepared.scenario, prepared.table
     used = [path for block in prepared.loop.blocks for path in block_paths(block)]
-    values = {path: prepared.value(path) for path in dict.fromkeys([*every.paths, *used])}
+    values = {path: prepared.value(path) for path in dict.fromkeys([*table.paths, *used])}
     return {
         "Conventions": "CF-1.11",
         "scenario": scenario.name,

@@ -19,6 +19,8 @@ from ..files.quote import shown
 DESIGNS = ("latin", "sobol")
 KINDS = ("grid", "zip", *DESIGNS)
 _SHAPES = ("lin", "log")
+# the same command makes the same design
+_DESIGN_SEED = 0
 # an axis with more values is a mistake
 _MOST_VALUES = 1_000_000
 
@@ -66,18 +68,14 @@ class Axes:
 
     def at(self, points: NDArray[np.int64]) -> Array:
         """(points × paths) values, points counted with the last dimension running fastest."""
-        if self.kind != "grid":
-            return (
-                np.stack([values[points] for values in self.values], axis=1)
-                if self.values
-                else np.empty((len(points), 0))
-            )
-        places = np.unravel_index(points, self.shape) if self.shape else ()
+        places = (points,) * len(self.values)
+        if self.kind == "grid" and self.values:
+            places = np.unravel_index(points, self.shape)
         columns = [values[place] for values, place in zip(self.values, places, strict=True)]
         return np.stack(columns, axis=1) if columns else np.empty((len(points), 0))
 
 
-def axes(over: Mapping[str, Values], kind: str = "grid", samples: int = 0, design_seed: int = 0) -> Axes:
+def axes(over: Mapping[str, Values], kind: str = "grid", samples: int = 0) -> Axes:
     """The Axes of `over`, path → values or Range. ScenarioError says what is wrong with them.
 
     kind: `grid` for all combinations, `zip` for the i-th value of each, `latin` or `sobol` for `samples` points of a
@@ -87,7 +85,7 @@ def axes(over: Mapping[str, Values], kind: str = "grid", samples: int = 0, desig
         raise ScenarioError(f"unknown kind of sweep {shown(kind)}; there are {', '.join(KINDS)}")
     paths = tuple(over)
     if kind in DESIGNS:
-        return Axes(kind, paths, _design(over, kind, samples, design_seed))
+        return Axes(kind, paths, _design(over, kind, samples))
     values = tuple(_listed(path, given) for path, given in over.items())
     if kind == "zip" and len({len(v) for v in values}) > 1:
         lengths = ", ".join(f"{path} {len(v)}" for path, v in zip(paths, values, strict=True))
@@ -147,7 +145,7 @@ def _check(path: str, span: Range) -> None:
         raise ScenarioError(f"{path}: the range from {low:g} to {high:g} is empty")
 
 
-def _design(over: Mapping[str, Values], kind: str, samples: int, seed: int) -> tuple[Array, ...]:
+def _design(over: Mapping[str, Values], kind: str, samples: int) -> tuple[Array, ...]:
     ranges: list[Range] = []
     for path, given in over.items():
         if not isinstance(given, Range):
@@ -167,7 +165,7 @@ def _design(over: Mapping[str, Values], kind: str, samples: int, seed: int) -> t
         qmc = importlib.import_module("scipy.stats.qmc")
     except ImportError as error:
         raise ScenarioError("designs need SciPy: pip install 'hillobs[design]'") from error
-    sampler = (qmc.LatinHypercube if kind == "latin" else qmc.Sobol)(len(ranges), seed=seed)
+    sampler = (qmc.LatinHypercube if kind == "latin" else qmc.Sobol)(len(ranges), seed=_DESIGN_SEED)
     shares = np.asarray(sampler.random(samples), dtype=float)
     return tuple(span.at(column) for span, column in zip(ranges, shares.T, strict=True))
 

@@ -1,4 +1,4 @@
-"""What failed in a run of a sweep: a place in one list of names, as CF's flags."""
+"""What failed in a run of a sweep: an index into one list of names, as in a CF flag variable."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ def causes(loop: Loop, observers: Sequence[str]) -> list[str]:
 
 
 def cause_of(block: Block, outcome: Outcome, names: Sequence[str]) -> Causes:
-    """(runs) the place among `names` of what failed in `block`; 0 if nothing did."""
-    places = np.array([names.index(name) for name in _watched(block)], dtype=np.int16)
-    return np.where(outcome.failed < 0, np.int16(0), places[outcome.cause])
+    """(runs) the index in `names` of what failed in `block`; 0 if nothing did."""
+    indices = np.array([names.index(name) for name in _watched(block)], dtype=np.int16)
+    return np.where(outcome.failed < 0, np.int16(0), indices[outcome.cause])
 
 
 def flags(names: Sequence[str], sentence: str) -> dict[str, object]:
-    """The attributes of a variable of causes."""
-    # CF parts the meanings at blanks
+    """The attributes of a variable that holds causes."""
+    # CF separates meanings by blanks
     meanings = " ".join(name.replace(" ", "_") for name in names)
     return {
         "long_name": sentence,

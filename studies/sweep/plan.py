@@ -31,14 +31,14 @@ from .row import LAYOUT, row_of
 
 # runs of a part: about two seconds of one core
 PART = 512
-# from here on a sweep is asked for twice
+# a larger sweep must be confirmed
 MANY_RUNS = 100_000_000
-# even one score of more of them hardly fits into a file
+# with more of them, not even one score per run fits into a file
 _MOST_SEEDS = 100_000_000
-# numbers that have to fit together are checked for every combination, if there are no more than these
+# combinations of numbers that limit each other are checked one by one, up to this many
 _MOST_CHECKS = 200_000
-# the last words of paths whose numbers limit each other
-_TOGETHER = ("L_slack", "toe", "F_toe", "k", "z_max", "g_max")
+# the last words of paths whose numbers limit each other, beside those of the time grid: a tendon's, the force factors'
+_TOGETHER = ({"L_slack", "toe", "F_toe", "k"}, {"z_max", "g_max"})
 
 Seeds = NDArray[np.uint64]
 
@@ -64,11 +64,6 @@ class Plan:
     def parts(self) -> int:
         """How many parts they come in."""
         return -(-self.runs // self.part)
-
-    @property
-    def steps(self) -> int:
-        """Integration steps of one run, of the longest where they differ."""
-        return max(grid.steps for grid in self.grids())
 
     @property
     def row(self) -> np.dtype[np.void]:
@@ -106,11 +101,6 @@ class Plan:
         for place, values in enumerate(times.tolist()):
             given = dict(zip((self.axes.paths[i] for i in timed), values, strict=True))
             yield self._grid(given), np.flatnonzero(which.ravel() == place)
-
-    def grids(self) -> list[Grid]:
-        """All time grids of the sweep."""
-        timed = [path for path in self.axes.paths if self.prepared.table.is_run(path)]
-        return [self._grid(given) for given in combinations(self.axes, timed)]
 
     def identity(self, library: str) -> str:
         """A hash of all that determines the numbers; `library` names the code."""
@@ -194,21 +184,20 @@ def _check_effect(plan: Plan) -> None:
 
 def _check_together(plan: Plan, custom: tuple[Block, ...]) -> None:
     """Each combination of numbers that limit each other must be one that could run; `custom` are a user's observers."""
-    prepared = plan.prepared
+    prepared, swept = plan.prepared, plan.axes.paths
     table, scenario = prepared.table, prepared.scenario
-    paths = [path for path in plan.axes.paths if table.is_run(path) or path.rpartition(".")[2] in _TOGETHER]
-    if not paths:
-        return
-    rows = list(itertools.islice(combinations(plan.axes, paths), _MOST_CHECKS + 1))
-    if len(rows) > _MOST_CHECKS:
-        raise ScenarioError(f"more than {_MOST_CHECKS:,} combinations of {', '.join(paths)} are too many to check")
-    for values in rows:
-        given = {**scenario.given, **table.spread(values)}
-        try:
-            assemble(replace(scenario, given=given), prepared.observers, custom, plan.quantities, plan.measures)
-        except ScenarioError as error:
-            where = ", ".join(f"{path} = {value:g}" for path, value in values.items())
-            raise ScenarioError(f"at {where}: {error}") from error
+    groups = [[path for path in swept if path.rpartition(".")[2] in words] for words in _TOGETHER]
+    for paths in filter(None, [[path for path in swept if table.is_run(path)], *groups]):
+        rows = list(itertools.islice(combinations(plan.axes, paths), _MOST_CHECKS + 1))
+        if len(rows) > _MOST_CHECKS:
+            raise ScenarioError(f"more than {_MOST_CHECKS:,} combinations of {', '.join(paths)} are too many to check")
+        for values in rows:
+            given = {**scenario.given, **table.spread(values)}
+            try:
+                assemble(replace(scenario, given=given), prepared.observers, custom, plan.quantities, plan.measures)
+            except ScenarioError as error:
+                where = ", ".join(f"{path} = {value:g}" for path, value in values.items())
+                raise ScenarioError(f"at {where}: {error}") from error
 
 
 def _observers(

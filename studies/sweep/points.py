@@ -55,5 +55,5 @@ def run_points(
 
 
 def _failures(block: Block, outcome: Outcome, grid: Grid, names: Sequence[str]) -> tuple[Array, Causes]:
-    """(runs) when `block` failed, NaN if it did not, and the place among `names` of what did."""
+    """(runs) when `block` failed, NaN if it did not, and the index in `names` of what did."""
     return np.where(outcome.failed < 0, np.nan, outcome.failed * grid.h), cause_of(block, outcome, names)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 Rows = NDArray[np.void]
 
-# counts up when fields change or mean something else, so that old parts are not read as new ones
+# counts up when fields change or mean something else, so that parts of an older layout are not read
 LAYOUT = 4
 
 
@@ -17,7 +17,7 @@ def row_of(observers: Sequence[str], quantities: Sequence[str], measures: Sequen
     """The fields of a run, the same bytes on every machine.
 
     Each measure (observers × quantities); failed_at (observers) and plant_failed_at: the time of a failure or NaN;
-    failure (observers) and plant_failure: what failed, as a place in `causes`.
+    failure (observers) and plant_failure: what failed, as an index into `causes`.
     """
     each = (len(observers),)
     return np.dtype(

@@ -52,18 +52,19 @@ def sweep(
 
     source, observers, changes: as for `simulate`; "baseline" is an observer too. By default those whose
         numbers are swept, or all.
-    over: path → values, or an `axes.Range`; one dimension each, named by the path (`point`, if not a grid).
+    over: path → values, or a `Range`; one dimension each, named by the path (`point`, if not a grid).
     seeds: how many, from 0, or which. kind: grid, zip, or a design of `samples` points: latin, sobol.
     out: file of the result; what is computed is kept beside it, and the same call goes on where it was.
     workers: threads, or processes of a local cluster; by default one per core.
     target: processors to compile for: native, scalar, x86-64-v3, …; by default this one, or for a cluster a class of
         them: on all machines of it, and here with the same target, results are the same to the bit.
     quantities, measures: what is scored, and how beside the RMSE; the fewer, the faster.
+    progress: called with the runs done and all runs; those of an earlier start count as done at once.
     cluster: `local`, or the address of a dask scheduler, see docs/scaling.md; needs the extra `cluster`.
 
     The Dataset has rmse, peak, settling, chattering (…, seed, observer, quantity), failed_at (…, seed, observer) and
     plant_failed_at (…, seed): the time of a failure or NaN; after one, measures are NaN. failure and plant_failure say
-    what failed, as places in the attribute flag_meanings; 0 is none. Everything is dimensionless.
+    what failed, as an index into the attribute flag_meanings; 0 is none. Everything is dimensionless.
     ScenarioError for what cannot be run, ResultError for `out`, BuildError if nothing can be compiled, ClusterError for
     a cluster that is not there, lost, or of other code.
     """

@@ -45,9 +45,9 @@ def main() -> None:
             write_figures({"trade-off": curves(noisy, _SHOWN, clean)}, folder, name)
             click.echo(f"{path}, {_SEEDS} seeds, with noise:")
             print_table(optimum(noisy))
-        both = sweep("paper-noisy", _MAP, seeds=_MAP_SEEDS)
-        save_netcdf(both, folder / "sweep-eps_h-noise.nc")
-        write_figures(sweep_figures(both)[0], folder, "sweep-eps_h-noise")
+        dataset = sweep("paper-noisy", _MAP, seeds=_MAP_SEEDS)
+        save_netcdf(dataset, folder / "sweep-eps_h-noise.nc")
+        write_figures(sweep_figures(dataset)[0], folder, "sweep-eps_h-noise")
         click.echo(f"written to {folder}/")
 
 

@@ -47,7 +47,7 @@ def on_cluster(address: str, workers: int | None = None) -> Iterator[Compute]:
     """Parts on the workers of the dask scheduler at `address`, or of a cluster on this machine for `local`.
 
     workers: processes of a local cluster. ClusterError for what is no address, where no scheduler answers, for workers
-    with other code, and when the cluster is lost. Who can reach a port of a scheduler or worker can run code there.
+    with other code, and when the cluster is lost. Who can reach a port of dask can run code there.
     """
     if address != LOCAL and not _ADDRESS.fullmatch(address):
         raise ClusterError(f"{shown(address)} is no cluster; there are local, tcp://HOST:PORT and tls://HOST:PORT")
@@ -68,7 +68,7 @@ def on_cluster(address: str, workers: int | None = None) -> Iterator[Compute]:
             try:
                 crew = _Crew(client, address, told)
                 yield from crew.run(parts, suspects.append)
-                # dask also blames what only waited beside the killer: each once more, alone
+                # dask also blames parts that only waited on the same worker: each is tried once more, alone
                 for part in suspects:
                     yield from crew.run([part], killers.append)
             except (OSError, CancelledError) as error:
@@ -84,13 +84,13 @@ class _Crew:
 
     def __init__(self, client: Client, address: str, told: str) -> None:
         self._client, self._address = client, address
-        # a task, not data: dask makes it again if the worker that holds it is lost
+        # a task, not data: dask computes it again if the worker that holds it is lost
         self._told = client.submit(str, told, pure=False)
         self._ended: queue.SimpleQueue[Future] = queue.SimpleQueue()
         self._seen = time.monotonic()  # when there was a worker or a result
 
     def run(self, parts: Iterable[int], killed: Callable[[int], None]) -> Iterator[tuple[int, Rows]]:
-        """Parts in the order in which they are done; those whose workers died again and again go to `killed`."""
+        """Parts in the order in which they end; `killed` is called with those whose workers died again and again."""
         waiting = iter(parts)
         running: dict[object, tuple[int, Future]] = {}
         while True:
@@ -119,7 +119,7 @@ class _Crew:
         return _AHEAD * max(1, threads)
 
     def _batch(self) -> list[Future]:
-        """The futures that have ended, one at least. ClusterError if nothing can be hoped for."""
+        """The futures that have ended, at least one. ClusterError if the cluster has had no worker for too long."""
         while True:
             with contextlib.suppress(queue.Empty):
                 batch = [self._ended.get(timeout=_LOOK)]
@@ -145,13 +145,13 @@ def _connected(address: str) -> Iterator[Client]:
     dask = distributed()
 
     async def knock() -> None:
-        """Connect once: dask's own client would wait for ever for what is no scheduler."""
+        """Connect once: dask's own client waits forever for anything that is not a scheduler."""
         security = dask.Security().get_connection_args("client")
         comm = await asyncio.wait_for(dask.comm.connect(address, timeout=_ANSWER, **security), _ANSWER)
         await comm.close()
 
     try:
-        # a thread of its own: in a notebook, this one runs a loop already
+        # in a thread of its own: a notebook already runs an event loop in this one
         ThreadPoolExecutor(1).submit(lambda: asyncio.run(knock())).result()
         client = dask.Client(address, timeout=_ANSWER, set_as_default=False)
     except TypeError as error:
@@ -164,7 +164,7 @@ def _connected(address: str) -> Iterator[Client]:
 
 
 def warn_of_open_ports(addresses: Iterable[str]) -> None:
-    """Say if anyone on the network can read, and run code."""
+    """Warn of the first address where anyone on the network can read what is sent, and run code."""
     for address in addresses:
         known = _ADDRESS.fullmatch(address)
         if known and known[1] != "tls" and not _is_loopback(known[2].strip("[]")):

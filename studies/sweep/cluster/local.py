@@ -46,7 +46,7 @@ def local_client(workers: int) -> Iterator[Client]:
             )
         )
         client = stack.enter_context(dask.Client(cluster, set_as_default=False))
-        # no nanny of dask: it would give up a worker that dies while it starts
+        # without dask's nanny, which gives up on a worker that dies while it starts
         command = [sys.executable, "-P", "-m", "distributed.cli.dask_worker", cluster.scheduler_address]
         command += ["--no-nanny", "--host", LOOPBACK, "--nthreads", "1", "--no-dashboard"]
         command += ["--death-timeout", str(_ORPHANED)]
@@ -57,12 +57,12 @@ def local_client(workers: int) -> Iterator[Client]:
 
 @contextlib.contextmanager
 def kept_alive(workers: int, command: list[str], environment: dict[str, str]) -> Iterator[None]:
-    """So many workers; another one for each that ends, until we leave."""
+    """As many workers as asked for; one that ends is replaced until the context ends."""
     over = threading.Event()
 
     def keep() -> None:
         while not over.is_set():
-            # what the system refuses for now, it is asked for again
+            # a start that the system refuses is tried again
             with contextlib.suppress(OSError):
                 worker = _start(command, environment)
                 while worker.poll() is None and not over.wait(_LOOK):
@@ -70,7 +70,7 @@ def kept_alive(workers: int, command: list[str], environment: dict[str, str]) ->
                 _end(worker)
             over.wait(_LOOK)
 
-    # threads start them: there no signal comes between a start and the note of it
+    # started in threads: Python handles signals in the main thread, so none comes between a start and its `_end`
     keepers = [threading.Thread(target=keep) for _ in range(workers)]
     try:
         for keeper in keepers:
@@ -84,7 +84,7 @@ def kept_alive(workers: int, command: list[str], environment: dict[str, str]) ->
 
 
 def _settings(security: Security) -> dict[str, object]:
-    """What workers are told beside their command: the certificate, and to serve no web pages."""
+    """The configuration of workers: the certificate, and no web pages."""
     tls = security.get_tls_config_for_role("worker")
     return {
         "distributed.scheduler.http.routes": [],

@@ -164,13 +164,13 @@ def test_what_makes_no_difference_may_differ() -> None:
 def test_a_plan_survives_its_text(changes: dict[str, Any], scored: dict[str, Any]) -> None:
     over = {"sliding_mode.delta_s": Range(0.02, 0.5, 7, logarithmic=True), "duration": [0.2, 0.4]}
     changes = {"score.start": 0.05, **changes}
-    wanted = plan("challenge", over, [3, 2**64 - 1], ["baseline", "sliding_mode"], changes, **scored)
-    again, runs = plan_of(text_of(wanted)), np.arange(28)
-    assert again.description("x") == wanted.description("x")
+    checked = plan("challenge", over, [3, 2**64 - 1], ["baseline", "sliding_mode"], changes, **scored)
+    again, runs = plan_of(text_of(checked)), np.arange(28)
+    assert again.description("x") == checked.description("x")
     # the very Blocks, so the same library
-    assert again.prepared.loop is wanted.prepared.loop
-    assert again.grids() == wanted.grids()
-    for name, numbers in wanted.numbers(runs).items():
+    assert again.prepared.loop is checked.prepared.loop
+    assert [grid for grid, _ in again.on_grids(runs)] == [grid for grid, _ in checked.on_grids(runs)]
+    for name, numbers in checked.numbers(runs).items():
         np.testing.assert_array_equal(again.numbers(runs)[name], numbers)
 
 
@@ -201,6 +201,12 @@ def test_without_dask_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> Non
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(ClusterError, match=r"pip install 'hillobs\[cluster\]'"), on_cluster("local"):
         pass
+
+
+def test_without_a_cluster_dask_is_not_loaded() -> None:
+    words = "import sys, hillobs.studies.sweep.run; print('distributed' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", words], capture_output=True, text=True, check=True)
+    assert done.stdout == "False\n"
 
 
 def test_open_ports_are_warned_of() -> None:

@@ -15,6 +15,7 @@ from hillobs.studies.scenarios.loops import full_table
 from hillobs.studies.scenarios.paths import RUN, block_paths
 from hillobs.studies.scenarios.prepare import BASELINE, prepare
 from hillobs.studies.simulate.run import simulate
+from hillobs.studies.sweep.axes import Range
 from hillobs.studies.sweep.plan import Plan, plan
 from hillobs.studies.sweep.points import run_points
 from hillobs.studies.sweep.run import sweep
@@ -168,6 +169,17 @@ def test_combinations_are_checked_as_they_run() -> None:
     with pytest.raises(ScenarioError, match=r"at muscle\.k = 40: muscle1: k·toe"):
         plan("paper-clean", {"muscle.k": [19.0, 40.0]}, 1, None, {"muscle1.k": 19.0, "muscle2.k": 19.0})
     assert plan("paper-clean", {"muscle.k": [19.0]}, 1, None, {"muscle1.k": 20.0}).runs == 1
+
+
+def test_numbers_that_do_not_limit_each_other_are_checked_apart() -> None:
+    """A thousand stiffnesses at a thousand durations are two thousand checks; an error names only what it is about."""
+    over = {"muscle.k": Range(15.0, 20.0, 1000), "duration": 0.1 * np.arange(1, 1001)}
+    assert plan("paper-clean", over, 1, "high_gain").runs == 10**6
+    with pytest.raises(ScenarioError, match=r"^at duration = 0\.1234: duration = 0\.1234 must be a whole multiple"):
+        plan("paper-clean", {**over, "duration": [0.1, 0.1234]}, 1, "high_gain")
+    over = {"muscle.k": [19.0, 20.0], "muscle1.g_max": [1.4, 1.2], "plant.z_max": [1.1, 1.3]}
+    with pytest.raises(ScenarioError, match=r"^at muscle1\.g_max = 1\.2, plant\.z_max = 1\.3: plant\.z_max"):
+        plan("paper-clean", over, 1, None, {"plant.drive": "requested"})
 
 
 # two times of each, different on the grid
