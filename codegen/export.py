@@ -35,7 +35,8 @@ def export_functions(every: Sequence[ca.Function]) -> Source:
     """A library of functions, to be evaluated at many points."""
     for function in every:
         _refuse_sparse(function)
-    parts = [*_lanes(), _casadi("static", every), _function_table(every), _kernel("call.cpp")]
+    title = f"// Functions: {', '.join(function.name() for function in every)}"
+    parts = [title, *_lanes(), _casadi("static", every), _function_table(every), _kernel("call.cpp")]
     listed = [
         {"name": f.name(), "in": _sizes(f.n_in(), f.numel_in), "out": _sizes(f.n_out(), f.numel_out)} for f in every
     ]
@@ -60,7 +61,8 @@ def export_blocks(
     aliases += [
         f"typedef List<{', '.join(f'Part_{block.name}' for block in some)}> {alias};" for alias, some in lists.items()
     ]
-    text = [*_lanes(), _casadi("static inline __attribute__((always_inline))", every)]
+    title = f"// Blocks, run by {files[-1]}: {', '.join(block.name for block in blocks)}"
+    text = [title, *_lanes(), _casadi("static inline __attribute__((always_inline))", every)]
     text += [*(_part(block, tables[block.name]) for block in blocks), _enumeration(sizes)]
     text += ["template <class... Blocks> struct List {};", *aliases, *map(_kernel, files)]
     described = [_describe(block, tables[block.name]) for block in blocks]

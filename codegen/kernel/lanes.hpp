@@ -4,7 +4,8 @@
 #include <string.h>
 
 #define HILLOBS_EXPORT extern "C" __attribute__((visibility("default")))
-#define INLINE static inline __attribute__((always_inline))
+// one library uses these functions, the other those
+#define INLINE static inline __attribute__((always_inline, unused))
 
 #if defined HILLOBS_SCALAR
 #define HILLOBS_BYTES 8

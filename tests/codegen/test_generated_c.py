@@ -14,6 +14,8 @@ from hillobs.model.curves import NGUYEN2019
 from hillobs.model.pair import DRIVES
 from hillobs.studies.scenarios.loops import full_table, paper_loop
 
+pytestmark = pytest.mark.numerics
+
 SANITIZE = (
     "-O0",
     "-g",
