@@ -71,7 +71,7 @@ def obtain(order: Order, make: Callable[[Path], Path], patience: float) -> Path:
     Processes and threads that ask at once wait up to `patience` seconds for the one that makes it.
     """
     folder = cache_folder()
-    _sweep(folder)
+    _remove_abandoned(folder)
     with contextlib.suppress(_DamageError):
         if library := find(folder, order):
             return library
@@ -233,7 +233,7 @@ def _private_folder(reason: str) -> Path:
 def _make_private_folder(reason: str) -> Path:
     try:
         parent = Path(tempfile.gettempdir())
-        _sweep_private(parent)
+        _remove_abandoned_private(parent)
         folder = Path(tempfile.mkdtemp(prefix="hillobs-", dir=parent))
         os.chmod(folder, 0o700)
         wait_for(folder / "owner.lock", patience=0)  # held until this process ends, however it ends
@@ -244,7 +244,7 @@ def _make_private_folder(reason: str) -> Path:
     return folder
 
 
-def _sweep_private(parent: Path) -> None:
+def _remove_abandoned_private(parent: Path) -> None:
     """Remove private folders whose process has died."""
     for path in parent.glob("hillobs-*/owner.lock"):
         if not _distrust(path.parent):
@@ -252,7 +252,7 @@ def _sweep_private(parent: Path) -> None:
                 _remove(path.parent)
 
 
-def _sweep(folder: Path) -> None:
+def _remove_abandoned(folder: Path) -> None:
     """Remove scratch folders whose process has died: those whose key nobody has locked."""
     with contextlib.suppress(OSError):
         for name in os.listdir(folder):
@@ -305,8 +305,8 @@ def _manifest(order: Order, digest: str, size: int) -> bytes:
     name = _library_name(order.key, digest)
     about = {"abi": ABI, "key": order.key, "library": name, "sha256": digest, "size": size}
     body = {**about, "description": order.description}
-    own = hashlib.sha256(_json(body).encode()).hexdigest()
-    text = _json({**body, "manifest_sha256": own}).encode() + b"\n"
+    seal = hashlib.sha256(_json(body).encode()).hexdigest()
+    text = _json({**body, "manifest_sha256": seal}).encode() + b"\n"
     if len(text) > MANIFEST_LIMIT:
         raise BuildError(f"The description of the library takes {len(text)} bytes, more than {MANIFEST_LIMIT}.")
     return text

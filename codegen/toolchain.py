@@ -116,11 +116,11 @@ def compile_library(
     """
     library = output_folder / _LIBRARY
     command = [*compiler.command, *_flags(compiler), *flags, "-o", _LIBRARY, _SOURCE, "-lm"]
-    own = {"TMPDIR": str(output_folder), "ZIG_LOCAL_CACHE_DIR": str(output_folder / "zig")}
+    scratch = {"TMPDIR": str(output_folder), "ZIG_LOCAL_CACHE_DIR": str(output_folder / "zig")}
     shared = {"ZIG_GLOBAL_CACHE_DIR": str(output_folder.parent / cache.ZIG_FOLDER)}
     try:
         cache.write_new(output_folder / _SOURCE, source.encode())
-        code, output = _run(command, output_folder, _timeout() if timeout is None else timeout, own | shared)
+        code, output = _run(command, output_folder, _timeout() if timeout is None else timeout, scratch | shared)
         problem = _ending(code) if code else _incomplete(library)
     except OSError as error:
         raise BuildError(f"Nothing can be compiled in {output_folder}: {error.strerror}.") from error
@@ -161,7 +161,7 @@ def _wheel() -> Compiler | None:
     found = importlib.util.find_spec("ziglang")
     if found is None or found.origin is None:
         return None
-    # -P: a folder `ziglang` in the current one is not to be run
+    # -P: a folder `ziglang` in the current one is never imported
     command = (sys.executable, "-P", "-m", "ziglang", "c++")
     return Compiler(command, "zig", f"ziglang {_package_version('ziglang')}", Path(found.origin).with_name("zig"))
 
@@ -185,7 +185,7 @@ def target_flags(target: str, compiler: Compiler) -> tuple[str, ...]:
         raise BuildError(f"The target {target} needs {', '.join(missing)}, which this processor does not have.")
     # registers of 512 bits, where there are any: gcc would rather use half of them
     wide = tuple("-mprefer-vector-width=512" for flag in flags if flag.startswith("-march="))
-    # a class of processors has slow and fast dividers
+    # a class of processors has members with slow and with fast dividers
     slow = ("-DHILLOBS_SLOW_DIVISION",) if target == NATIVE and divides_slowly() else ()
     return (*(_in_zig(flags) if compiler.kind == "zig" else flags), *wide, *slow)
 
@@ -198,9 +198,9 @@ def _in_zig(flags: Sequence[str]) -> tuple[str, ...]:
 
 # what one kind of compiler wants beside FLAGS
 _OWN_FLAGS: Mapping[str, tuple[str, ...]] = {
-    # the order of instructions before registers are given out; others do it by themselves
+    # scheduling before register allocation; clang does so by default
     "gcc": ("-fschedule-insns", "-fsched-pressure"),
-    # zig would first build the C++ library, a minute for nothing: our sources use C headers
+    # else zig first builds the C++ library, a minute, though our sources use C headers only
     "zig": ("-nostdlib++",),
 }
 
@@ -259,7 +259,7 @@ def _listen(process: subprocess.Popen[bytes], timeout: float) -> str:
     with selectors.DefaultSelector() as selector:
         selector.register(stream, selectors.EVENT_READ)
         while (left := deadline - time.monotonic()) > 0:
-            # asked first: what it wrote before its end is then still read
+            # polled before reading: what it wrote before it ended is then still read
             ended = process.poll() is not None
             if selector.select(0 if ended else _POLL):
                 piece = os.read(stream, 1 << 16)

@@ -38,7 +38,7 @@ INLINE Reals sine_of(Reals x, int64_t shift) {
     return pick((quadrant & 2) != 0, -value, value);
 }
 
-// so far the reduction of an angle is exact
+// the reduction of a larger angle is not exact
 static const double LARGEST_ANGLE = 1e5;
 
 #define LANE_BY_LANE(f, x)                                       \

@@ -5,13 +5,14 @@ import re
 import signal
 import subprocess
 import sys
+import time
 
 import pytest
 
 from compilers import BUILD, DESCRIPTION, SOURCE, fails, finish, python, twice
 from hillobs.codegen import toolchain
 from hillobs.codegen.cache import BuildError
-from hillobs.codegen.toolchain import build
+from hillobs.codegen.toolchain import build, find_compiler
 
 
 def test_a_compile_error_is_told_in_the_words_of_the_compiler():
@@ -165,3 +166,18 @@ def test_no_processes_left_is_a_sentence(monkeypatch):
 
     monkeypatch.setattr(subprocess, "Popen", refuse)
     fails("Resource temporarily unavailable|No C")
+
+
+def test_what_a_compiler_says_at_its_very_end_is_heard(tmp_path, monkeypatch):
+    """It may write and end between two looks at it; an empty version would make another key."""
+    (tmp_path / "slow").write_text("#!/bin/sh\nsleep 0.05\necho at the very end\n")
+    (tmp_path / "slow").chmod(0o755)
+    monkeypatch.setenv("CXX", str(tmp_path / "slow"))
+    poll = subprocess.Popen.poll
+
+    def late(process):
+        time.sleep(0.1)
+        return poll(process)
+
+    monkeypatch.setattr(subprocess.Popen, "poll", late)
+    assert find_compiler().version == "at the very end"
