@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 CODE := model observers codegen studies hillobs tests benchmarks
 
 .DEFAULT_GOAL := help
-.PHONY: help sim sweep estimate test check format lint types imports observability chaos bench clean
+.PHONY: help sim sweep estimate test portable check format lint types imports observability chaos bench clean
 
 help: ## show this help
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 16
@@ -32,6 +32,9 @@ estimate: $(VENV)/.installed ## activations from the shipped recording, scored, 
 
 test: $(VENV)/.installed ## all tests
 	$(BIN)/python -m pytest
+
+portable: $(VENV)/.installed ## what compiled code computes, for every processor and compiler that can be tried here
+	$(BIN)/python tests/portable.py
 
 check: format lint types imports test ## what CI runs: format, lint, types, the stair of imports, tests
 

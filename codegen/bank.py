@@ -9,7 +9,7 @@ from ..model.block import Block
 from .stepper import STAGES
 
 
-@dataclass(frozen=True, eq=False)  # one is itself: symbols have no equality
+@dataclass(frozen=True, eq=False)  # compared by identity: SX has no usable ==
 class Bank:
     """Observers, what they measure, and the `front`: what they compute from the measurements alone, without states.
 

@@ -159,7 +159,7 @@ def compile_loop(loop: Loop, target: str = NATIVE) -> CompiledLoop:
 
 def _outcome(block: Block, memory: Memory, truth: Block) -> Outcome:
     failed = memory.failed(block)
-    # the sums of an observer without a truth are no measures of it
+    # without a truth the sums of an observer measure nothing
     lost = (failed >= 0) | (memory.failed(truth) >= 0)
     sums = np.where(lost[:, None], np.nan, memory.numbers(block, "sums"))
     return Outcome(sums=sums, failed=failed, cause=memory.cause(block))

@@ -1,6 +1,7 @@
 """Where compiled libraries live: found by the hash of all that determines them, checked before each load.
 
-An entry is `<key>.json`, its manifest, and `<key>-<hash of the library>.so`; nothing on disk is believed unproved.
+An entry is `<key>.json`, its manifest, `<key>-<hash of the library>.so`, and `<key>.cpp`, the source, for people to
+read; nothing on disk is believed unproved.
 """
 
 from __future__ import annotations
@@ -8,7 +9,6 @@ from __future__ import annotations
 import atexit
 import contextlib
 import errno
-import fcntl
 import hashlib
 import json
 import os
@@ -17,24 +17,24 @@ import shutil
 import stat
 import tempfile
 import threading
-import time
 import warnings
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
 import platformdirs
 
 from ..model.errors import Error
+from .system.locks import locked, wait_for
 
 ABI = 1  # what a library and its caller agree on; raised with each change of the exported functions
 
-MANIFEST_LIMIT = 1_000_000  # bytes
+MANIFEST_LIMIT, SOURCE_LIMIT = 1_000_000, 50_000_000  # bytes
 ZIG_FOLDER = "hillobs-zig"
 
-_OURS = re.compile(r"([0-9a-f]{64})(?:\.json|\.lock|-[0-9a-f]{16}\.so|-\w+\.tmp)")
+_OURS = re.compile(r"([0-9a-f]{64})(?:\.json|\.lock|\.cpp|-[0-9a-f]{16}\.so|-\w+\.tmp)")
 _CLAIM = re.compile(rb'"sha256":"([0-9a-f]{64})","size":([0-9]{1,12}),')
 _UNWRITABLE = {errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOLCK, errno.ENOTSUP, errno.ETIMEDOUT}
-_POLL = 0.02  # seconds between two looks at a lock
 
 _private: dict[str, Path] = {}  # reason -> the one private folder of this process
 _private_guard = threading.Lock()
@@ -57,31 +57,40 @@ def entry_key(parts: Mapping[str, object]) -> str:
     return hashlib.sha256(_json(parts).encode()).hexdigest()
 
 
-def obtain(key: str, description: Mapping[str, object], make: Callable[[Path], Path], patience: float) -> Path:
-    """Return the verified library of `key`, made by `make(scratch folder)` where there is none.
+@dataclass(frozen=True)
+class Order:
+    """What is asked of the cache: the key of an entry, what its manifest must say of the library, and its source."""
+
+    key: str
+    description: Mapping[str, object]
+    source: bytes
+
+
+def obtain(order: Order, make: Callable[[Path], Path], patience: float) -> Path:
+    """Return the verified library of an order, made by `make(scratch folder)` where there is none.
 
     Processes and threads that ask at once wait up to `patience` seconds for the one that makes it.
     """
     folder = cache_folder()
-    _sweep(folder)
+    _remove_abandoned(folder)
     with contextlib.suppress(_DamageError):
-        if library := find(folder, key, description):
+        if library := find(folder, order):
             return library
     try:
-        return _make(folder, key, description, make, patience)
+        return _make(folder, order, make, patience)
     except OSError as error:
         if error.errno not in _UNWRITABLE:
             raise _failure(folder, error) from error
         folder = _private_folder(f"{folder} cannot be used ({_words(error)})")
     try:
-        return _make(folder, key, description, make, patience)
+        return _make(folder, order, make, patience)
     except OSError as error:
         raise _failure(folder, error) from error
 
 
-def find(folder: Path, key: str, description: Mapping[str, object]) -> Path | None:
-    """Return the library of `key` if it and its manifest are exactly what is expected, None if there is none."""
-    manifest = folder / f"{key}.json"
+def find(folder: Path, order: Order) -> Path | None:
+    """Return the library of an order if all files of its entry are exactly what is expected, None if there is none."""
+    manifest = folder / f"{order.key}.json"
     try:
         text = _read(manifest, MANIFEST_LIMIT)
     except FileNotFoundError:
@@ -90,15 +99,14 @@ def find(folder: Path, key: str, description: Mapping[str, object]) -> Path | No
         raise _DamageError(f"{manifest} cannot be read ({_words(error)})") from error
     claim = _CLAIM.search(text)  # found, not parsed: the whole text must then be the one we would write
     digest, size = (claim[1].decode(), int(claim[2])) if claim else ("", 0)
-    if text != _manifest(key, description, digest, size):
+    if text != _manifest(order, digest, size):
         raise _DamageError(f"{manifest} is not the manifest of this library")
-    library = folder / _library_name(key, digest)
-    try:
-        content = _read(library, size)
-    except OSError as error:
-        raise _DamageError(f"{library} cannot be read ({_words(error)})") from error
+    library, source = folder / _library_name(order.key, digest), folder / f"{order.key}.cpp"
+    content = _read_or_damage(library, size)
     if len(content) != size or hashlib.sha256(content).hexdigest() != digest:
         raise _DamageError(f"{library} is not what was compiled")
+    if _read_or_damage(source, len(order.source)) != order.source:
+        raise _DamageError(f"{source} is not the source of this library")
     return library
 
 
@@ -127,7 +135,7 @@ def clean_cache() -> list[Path]:
     _remove(*found)
     try:
         for key in sorted({match[1] for name in os.listdir(folder) if (match := _OURS.fullmatch(name))}):
-            with contextlib.suppress(TimeoutError), _locked(folder / f"{key}.lock", patience=0):
+            with contextlib.suppress(TimeoutError), locked(folder / f"{key}.lock", patience=0):
                 names = [name for name in os.listdir(folder) if name.startswith(key) and _OURS.fullmatch(name)]
                 _remove(*(folder / name for name in names))
                 found += [folder / name for name in names if not name.endswith(".lock")]
@@ -146,6 +154,20 @@ def describe_cache() -> dict[str, object]:
             if file.name.endswith(".so") and _OURS.fullmatch(file.name):
                 sizes.append(file.stat().st_size)
     return {"folder": str(folder), "problem": problem, "libraries": len(sizes), "bytes": sum(sizes)}
+
+
+def kept_sources() -> dict[Path, str]:
+    """Return the C++ of each library in the cache, and its first line, which says what it is; the newest first."""
+    folder = _location()
+    if not os.path.lexists(folder) or _distrust(folder):
+        return {}
+    found: dict[Path, tuple[int, str]] = {}
+    for path in folder.glob("*.cpp"):
+        with contextlib.suppress(OSError, _DamageError):
+            if _OURS.fullmatch(path.name):
+                first = _read(path, SOURCE_LIMIT).partition(b"\n")[0]
+                found[path] = (path.stat().st_mtime_ns, first.decode("utf-8", "replace").removeprefix("// "))
+    return {path: line for path, (_, line) in sorted(found.items(), key=lambda item: item[1], reverse=True)}
 
 
 def write_new(path: Path, content: bytes) -> None:
@@ -212,10 +234,10 @@ def _private_folder(reason: str) -> Path:
 def _make_private_folder(reason: str) -> Path:
     try:
         parent = Path(tempfile.gettempdir())
-        _sweep_private(parent)
+        _remove_abandoned_private(parent)
         folder = Path(tempfile.mkdtemp(prefix="hillobs-", dir=parent))
         os.chmod(folder, 0o700)
-        _acquire(folder / "owner.lock", patience=0)  # held until this process ends, however it ends
+        wait_for(folder / "owner.lock", patience=0)  # held until this process ends, however it ends
     except OSError as error:
         raise BuildError(f"{reason}, and no temporary folder can be made ({_words(error)}).") from error
     owner = os.getpid()
@@ -223,38 +245,36 @@ def _make_private_folder(reason: str) -> Path:
     return folder
 
 
-def _sweep_private(parent: Path) -> None:
+def _remove_abandoned_private(parent: Path) -> None:
     """Remove private folders whose process has died."""
     for path in parent.glob("hillobs-*/owner.lock"):
         if not _distrust(path.parent):
-            with contextlib.suppress(OSError), _locked(path, patience=0):
+            with contextlib.suppress(OSError), locked(path, patience=0):
                 _remove(path.parent)
 
 
-def _sweep(folder: Path) -> None:
+def _remove_abandoned(folder: Path) -> None:
     """Remove scratch folders whose process has died: those whose key nobody has locked."""
     with contextlib.suppress(OSError):
         for name in os.listdir(folder):
             if name.endswith(".tmp") and (match := _OURS.fullmatch(name)):
-                with contextlib.suppress(OSError), _locked(folder / f"{match[1]}.lock", patience=0):
+                with contextlib.suppress(OSError), locked(folder / f"{match[1]}.lock", patience=0):
                     _remove(folder / name)
 
 
-def _make(
-    folder: Path, key: str, description: Mapping[str, object], make: Callable[[Path], Path], patience: float
-) -> Path:
+def _make(folder: Path, order: Order, make: Callable[[Path], Path], patience: float) -> Path:
     """Make and publish the entry, unless another process has done so while we waited."""
     damage = ""
-    with _locked(folder / f"{key}.lock", patience):
+    with locked(folder / f"{order.key}.lock", patience):
         try:
-            if library := find(folder, key, description):
+            if library := find(folder, order):
                 return library
         except _DamageError as error:
             damage = str(error)
-        with _scratch(folder, key) as scratch:
-            _publish(folder, scratch, key, description, make(scratch).read_bytes())
+        with _scratch(folder, order.key) as scratch:
+            _publish(folder, scratch, order, make(scratch).read_bytes())
         try:
-            library = find(folder, key, description)
+            library = find(folder, order)
         except _DamageError as error:
             raise BuildError(f"The disk does not keep what is written to it: {error}.") from error
     if library is None:
@@ -264,11 +284,15 @@ def _make(
     return library
 
 
-def _publish(folder: Path, scratch: Path, key: str, description: Mapping[str, object], content: bytes) -> None:
-    """Move the library and then its manifest to their final names, which are never opened for writing."""
+def _publish(folder: Path, scratch: Path, order: Order, content: bytes) -> None:
+    """Move source, library and at last the manifest to their final names, which are never opened for writing."""
     digest = hashlib.sha256(content).hexdigest()
-    manifest = _manifest(key, description, digest, len(content))
-    for name, data in ((_library_name(key, digest), content), (f"{key}.json", manifest)):
+    files = {
+        f"{order.key}.cpp": order.source,
+        _library_name(order.key, digest): content,
+        f"{order.key}.json": _manifest(order, digest, len(content)),
+    }
+    for name, data in files.items():
         write_new(scratch / name, data)
         os.replace(scratch / name, folder / name)
     with contextlib.suppress(OSError):  # some file systems cannot; what is lost then is found by its hash
@@ -277,15 +301,23 @@ def _publish(folder: Path, scratch: Path, key: str, description: Mapping[str, ob
         os.close(handle)
 
 
-def _manifest(key: str, description: Mapping[str, object], digest: str, size: int) -> bytes:
-    """Return the one text that may stand in the manifest of this library."""
-    name = _library_name(key, digest)
-    body = {"abi": ABI, "key": key, "library": name, "sha256": digest, "size": size, "description": description}
-    own = hashlib.sha256(_json(body).encode()).hexdigest()
-    text = _json({**body, "manifest_sha256": own}).encode() + b"\n"
+def _manifest(order: Order, digest: str, size: int) -> bytes:
+    """Return the one text that may stand in the manifest of this library; the key speaks for the source."""
+    name = _library_name(order.key, digest)
+    about = {"abi": ABI, "key": order.key, "library": name, "sha256": digest, "size": size}
+    body = {**about, "description": order.description}
+    seal = hashlib.sha256(_json(body).encode()).hexdigest()
+    text = _json({**body, "manifest_sha256": seal}).encode() + b"\n"
     if len(text) > MANIFEST_LIMIT:
         raise BuildError(f"The description of the library takes {len(text)} bytes, more than {MANIFEST_LIMIT}.")
     return text
+
+
+def _read_or_damage(path: Path, limit: int) -> bytes:
+    try:
+        return _read(path, limit)
+    except OSError as error:
+        raise _DamageError(f"{path} cannot be read ({_words(error)})") from error
 
 
 def _read(path: Path, limit: int) -> bytes:
@@ -311,42 +343,6 @@ def _scratch(folder: Path, key: str) -> Iterator[Path]:
         yield path
     finally:
         _remove(path)
-
-
-@contextlib.contextmanager
-def _locked(path: Path, patience: float) -> Iterator[None]:
-    """Hold the lock `path`; TimeoutError if another holder keeps it for `patience` seconds."""
-    handle = _acquire(path, patience)
-    try:
-        yield
-    finally:
-        os.close(handle)
-
-
-def _acquire(path: Path, patience: float) -> int:
-    """Return a descriptor that holds the lock until it is closed or its process dies."""
-    deadline = time.monotonic() + patience
-    while (handle := _try_lock(path)) is None:
-        if time.monotonic() > deadline:
-            raise TimeoutError(errno.ETIMEDOUT, "another process does not release it")
-        time.sleep(_POLL)
-    return handle
-
-
-def _try_lock(path: Path) -> int | None:
-    handle = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC, 0o600)
-    try:
-        os.fchmod(handle, 0o600)
-        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        if os.path.samestat(os.fstat(handle), os.stat(path)):
-            return handle
-    except (BlockingIOError, FileNotFoundError):
-        pass  # held by another, or removed by `clean` since we opened it
-    except BaseException:
-        os.close(handle)
-        raise
-    os.close(handle)
-    return None
 
 
 def _remove(*paths: Path) -> None:

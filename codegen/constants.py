@@ -8,7 +8,7 @@ import casadi as ca
 
 from .lowering import as_written, lowered
 
-# the role that keeps the parameters: it runs once
+# this role runs once and takes the parameters themselves
 _ONCE = "init"
 
 

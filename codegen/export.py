@@ -31,13 +31,14 @@ class Source:
     description: Mapping[str, object]
 
 
-def export_functions(every: Sequence[ca.Function]) -> Source:
+def export_functions(functions: Sequence[ca.Function]) -> Source:
     """A library of functions, to be evaluated at many points."""
-    for function in every:
+    for function in functions:
         _refuse_sparse(function)
-    parts = [*_lanes(), _casadi("static", every), _function_table(every), _kernel("call.cpp")]
+    title = f"// Functions: {', '.join(function.name() for function in functions)}"
+    parts = [title, *_lanes(), _casadi("static", functions), _function_table(functions), _kernel("call.cpp")]
     listed = [
-        {"name": f.name(), "in": _sizes(f.n_in(), f.numel_in), "out": _sizes(f.n_out(), f.numel_out)} for f in every
+        {"name": f.name(), "in": _sizes(f.n_in(), f.numel_in), "out": _sizes(f.n_out(), f.numel_out)} for f in functions
     ]
     return Source("\n".join(parts), {"functions": listed})
 
@@ -55,12 +56,13 @@ def export_blocks(
 
     The files know the Blocks by the names in `named` and `lists`, and the `sizes`.
     """
-    every = [function for table in tables.values() for function in table.values()]
+    functions = [function for table in tables.values() for function in table.values()]
     aliases = [f"typedef Part_{block.name} {alias};" for alias, block in named.items()]
     aliases += [
         f"typedef List<{', '.join(f'Part_{block.name}' for block in some)}> {alias};" for alias, some in lists.items()
     ]
-    text = [*_lanes(), _casadi("static inline __attribute__((always_inline))", every)]
+    title = f"// Blocks, run by {files[-1]}: {', '.join(block.name for block in blocks)}"
+    text = [title, *_lanes(), _casadi("static inline __attribute__((always_inline))", functions)]
     text += [*(_part(block, tables[block.name]) for block in blocks), _enumeration(sizes)]
     text += ["template <class... Blocks> struct List {};", *aliases, *map(_kernel, files)]
     described = [_describe(block, tables[block.name]) for block in blocks]
@@ -71,10 +73,10 @@ def _lanes() -> list[str]:
     return [_kernel("lanes.hpp"), _kernel("functions.hpp")]
 
 
-def _casadi(linkage: str, every: Sequence[ca.Function]) -> str:
+def _casadi(linkage: str, functions: Sequence[ca.Function]) -> str:
     """The C that CasADi writes, unchanged, with lanes in the place of double."""
     generator = ca.CodeGenerator("generated.c")
-    for function in every:
+    for function in functions:
         generator.add(function)
     before = f"#define CASADI_SYMBOL_EXPORT {linkage}\n" + _kernel("before.hpp")
     return "\n".join([before, str(generator.dump()), _kernel("after.hpp")])
@@ -108,7 +110,7 @@ def _role(role: str, function: ca.Function) -> str:
     names_in, names_out = _ROLES[role]
     arguments = ", ".join([*(f"const V *{name}" for name in names_in), *(f"V *{name}" for name in names_out)])
     given = ", ".join(function.name_in())
-    wanted = ", ".join(function.name_out())
+    results = ", ".join(function.name_out())
     sizes = {
         **{name: function.numel_in(i) for i, name in enumerate(function.name_in())},
         **{name: function.numel_out(i) for i, name in enumerate(function.name_out())},
@@ -117,7 +119,7 @@ def _role(role: str, function: ca.Function) -> str:
     known = "".join(f" {'given' if sizes.get(name) else 'unused'}({name});" for name in (*names_in, *names_out))
     return (
         f"    INLINE void {role}({arguments}) {{\n       {known}\n"
-        f"        const V *arg[] = {{{given}}};\n        V *res[] = {{{wanted}}};\n"
+        f"        const V *arg[] = {{{given}}};\n        V *res[] = {{{results}}};\n"
         f"        {function.name()}(arg, res, 0, 0, 0);\n    }}\n"
     )
 
@@ -133,17 +135,17 @@ def _kernel(name: str) -> str:
     return (resources.files(_KERNEL) / name).read_text(encoding="utf-8")
 
 
-def _function_table(every: Sequence[ca.Function]) -> str:
+def _function_table(functions: Sequence[ca.Function]) -> str:
     rows = []
     lists = []
-    for i, f in enumerate(every):
+    for i, f in enumerate(functions):
         for way, sizes in (("in", _sizes(f.n_in(), f.numel_in)), ("out", _sizes(f.n_out(), f.numel_out))):
             lists.append(f"static const int {way}_{i}[] = {{{_list(sizes)}}};")
         rows.append(f"{{{f.name()}, {f.n_in()}, {f.n_out()}, in_{i}, out_{i}}}")
     largest = {
-        "MAX_ARGUMENTS": max(max(f.n_in(), f.n_out(), f.sz_arg(), f.sz_res()) for f in every),
-        "MAX_NUMBERS": max(1, *(f.nnz_in() + f.nnz_out() for f in every)),
-        "MAX_WORK": max(1, *(max(f.sz_w(), f.sz_iw()) for f in every)),
+        "MAX_ARGUMENTS": max(max(f.n_in(), f.n_out(), f.sz_arg(), f.sz_res()) for f in functions),
+        "MAX_NUMBERS": max(1, *(f.nnz_in() + f.nnz_out() for f in functions)),
+        "MAX_WORK": max(1, *(max(f.sz_w(), f.sz_iw()) for f in functions)),
     }
     table = _kernel("function.hpp") + "static const Function FUNCTIONS[] = {\n    " + ",\n    ".join(rows) + "};\n"
     return "\n".join([*lists, table]) + _enumeration(largest)

@@ -112,14 +112,14 @@ class Filter:
     def samples(self, t: Array, y: Array) -> Followed:
         """What it makes of the samples at times t (n), measurements y (n × measured), of the Block's time unit."""
         width = len(self._block.y) + len(self._block.guards)
-        every = np.empty((len(t), width))
+        results = np.empty((len(t), width))
         step = max(1, _SLICE // self._substeps)
         for start in range(0, len(t), step):
-            every[start : start + step] = self._slice(t[start : start + step], y[start : start + step], width)
-        return Followed(every[:, : len(self._block.y)], every[:, len(self._block.y) :])
+            results[start : start + step] = self._slice(t[start : start + step], y[start : start + step], width)
+        return Followed(results[:, : len(self._block.y)], results[:, len(self._block.y) :])
 
     def _slice(self, t: Array, y: Array, width: int) -> Array:
-        # the last sample comes again: measurements go in a straight line from it to the next
+        # the last sample is passed again: measurements are interpolated linearly from it to the next
         begun = self._last is not None
         times = np.ascontiguousarray(t if self._last is None else np.concatenate([self._last[0], t]), dtype=float)
         values = np.ascontiguousarray(y if self._last is None else np.concatenate([self._last[1], y]), dtype=float)

@@ -13,7 +13,7 @@ from .export import Source, export_blocks
 from .stepper import functions
 
 
-@dataclass(frozen=True, eq=False)  # one is itself: symbols have no equality
+@dataclass(frozen=True, eq=False)  # compared by identity: SX has no usable ==
 class Loop:
     """A closed loop to export: the truth, the sensors that look at it, the observers, and the score of each."""
 

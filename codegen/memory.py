@@ -99,7 +99,7 @@ class Memory:
         """(runs × numbers) of an array of `block`."""
         place = self._places.get((block.name, key), slice(0, 0))
         vectors = self._numbers[:, place].transpose(0, 2, 1)
-        return vectors.reshape(vectors.shape[0] * self._lanes, vectors.shape[2])[self._own(block)]
+        return vectors.reshape(vectors.shape[0] * self._lanes, vectors.shape[2])[self._lanes_of(block)]
 
     def failed(self, block: Block) -> Whole:
         """(runs) grid point of the failure of `block`, or −1."""
@@ -110,9 +110,9 @@ class Memory:
         return self._state(self._cause, block)
 
     def _state(self, array: Whole, block: Block) -> Whole:
-        return array[:, self._loop.blocks.index(block)].ravel()[self._own(block)]
+        return array[:, self._loop.blocks.index(block)].ravel()[self._lanes_of(block)]
 
-    def _own(self, block: Block) -> Whole:
+    def _lanes_of(self, block: Block) -> Whole:
         """Where the runs of a block are, counted in lanes."""
         if self._shared and block is self._loop.truth:
             return np.full(self.runs, self._vectors * self._lanes, dtype=np.int64)
@@ -135,7 +135,7 @@ class Memory:
             sizes[f"front {i}", "p"] = len(loop.bank.front.p)
             sizes[f"front {i}", "c"] = compiled.constants[loop.bank.front.name]
             sizes[f"front {i}", "c_near"] = compiled.constants[(loop.bank.near or loop.bank.front).name]
-        # no array is empty: an address of its own says that it is there
+        # an empty array takes one number, so that it has an address of its own
         ends = [0, *itertools.accumulate(max(1, size) for size in sizes.values())]
         starts = zip(sizes.items(), ends, strict=False)
         return {key: slice(start, start + size) for (key, size), start in starts}, ends[-1]
@@ -186,10 +186,10 @@ def _distinct_fronts(
     front_of: dict[str, int] = {}
     for block in loop.observers:
         if block.name in observers:
-            own = values[block.name][:, [list(block.p).index(name) for name in loop.bank.front.p]]
-            front_of[block.name] = distinct.setdefault(own.tobytes(), len(fronts))
+            numbers = values[block.name][:, [list(block.p).index(name) for name in loop.bank.front.p]]
+            front_of[block.name] = distinct.setdefault(numbers.tobytes(), len(fronts))
             if front_of[block.name] == len(fronts):
-                fronts.append(own)
+                fronts.append(numbers)
     return fronts, front_of
 
 

@@ -24,7 +24,8 @@ from typing import IO, cast
 from . import cache
 from .building import building
 from .cache import ABI, BuildError
-from .held import HeldSignals
+from .system.processor import divides_slowly, features, lacking
+from .system.signals import HeldSignals
 
 FLAGS = (
     *("-x", "c++", "-std=c++17", "-O3", "-fPIC", "-shared", "-fvisibility=hidden"),
@@ -34,24 +35,23 @@ FLAGS = (
 NATIVE = "native"
 SINGLE = "native-scalar"
 _MACHINE = re.sub("x86_64|amd64", "x86-64", platform.machine().lower()).replace("aarch64", "arm64")
+_SCALAR = "-DHILLOBS_SCALAR"
 _THIS_ONE = "-mcpu=native" if _MACHINE == "arm64" else "-march=native"
-# the processors that a library is for: this one; a class of them, for equal numbers on several machines; any, one
-# run at a time; this one, one run at a time
+# what a library is compiled for: this processor; a class of them, for equal numbers on several machines; any, one run
+# at a time; this one, one run at a time
 TARGETS: Mapping[str, tuple[str, ...]] = {
     NATIVE: (_THIS_ONE,),
+    "x86-64-v2": ("-march=x86-64-v2",),
     "x86-64-v3": ("-march=x86-64-v3",),
     "x86-64-v4": ("-march=x86-64-v4",),
     "arm64": ("-mcpu=generic",),
-    "scalar": ("-DHILLOBS_SCALAR",),
-    SINGLE: (_THIS_ONE, "-DHILLOBS_SCALAR"),
+    "scalar": (_SCALAR,),
+    SINGLE: (_THIS_ONE, _SCALAR),
 }
-_MACHINES = {"x86-64-v3": "x86-64", "x86-64-v4": "x86-64", "arm64": "arm64"}
 # fast on almost all processors of this kind
 PORTABLE = {"x86-64": "x86-64-v3", "arm64": "arm64"}.get(_MACHINE, "scalar")
 COMPILE_TIMEOUT = 300.0  # seconds
 KEPT_LINES, KEPT_BYTES = 20, 16_000  # of what a compiler prints
-
-compiled: list[Path] = []  # the scratch folder of each compile of this process: a second run must add none
 
 _SOURCE, _LIBRARY = "hillobs.cpp", "hillobs.so"
 _PATH_VARIABLES = ("CPATH", "CPLUS_INCLUDE_PATH", "LIBRARY_PATH", "COMPILER_PATH", "GCC_EXEC_PREFIX", "SDKROOT")
@@ -76,7 +76,7 @@ def build(source: str, description: Mapping[str, object], target: str = NATIVE) 
     `target` is a name of TARGETS.
     """
     compiler = find_compiler()
-    flags = _target_flags(target)
+    flags = target_flags(target, compiler)
     circumstances = {**_circumstances(compiler), "target": flags}
     key = cache.entry_key({"source": source, "description": description, **circumstances})
 
@@ -84,7 +84,8 @@ def build(source: str, description: Mapping[str, object], target: str = NATIVE) 
         with building(description, compiler.kind):
             return compile_library(source, folder, compiler, flags)
 
-    return cache.obtain(key, description, make, patience=_timeout() + 60)
+    order = cache.Order(key, description, source.encode())
+    return cache.obtain(order, make, patience=_timeout() + 60)
 
 
 def find_compiler() -> Compiler:
@@ -115,14 +116,13 @@ def compile_library(
 
     `flags` come after our own; `timeout` is in seconds, by default that of HILLOBS_COMPILE_TIMEOUT.
     """
-    compiled.append(output_folder)
     library = output_folder / _LIBRARY
     command = [*compiler.command, *_flags(compiler), *flags, "-o", _LIBRARY, _SOURCE, "-lm"]
-    own = {"TMPDIR": str(output_folder), "ZIG_LOCAL_CACHE_DIR": str(output_folder / "zig")}
+    scratch = {"TMPDIR": str(output_folder), "ZIG_LOCAL_CACHE_DIR": str(output_folder / "zig")}
     shared = {"ZIG_GLOBAL_CACHE_DIR": str(output_folder.parent / cache.ZIG_FOLDER)}
     try:
         cache.write_new(output_folder / _SOURCE, source.encode())
-        code, output = _run(command, output_folder, _timeout() if timeout is None else timeout, own | shared)
+        code, output = _run(command, output_folder, _timeout() if timeout is None else timeout, scratch | shared)
         problem = _ending(code) if code else _incomplete(library)
     except OSError as error:
         raise BuildError(f"Nothing can be compiled in {output_folder}: {error.strerror}.") from error
@@ -142,7 +142,7 @@ def _circumstances(compiler: Compiler) -> dict[str, object]:
         "environment": [os.environ.get(name) for name in _PATH_VARIABLES],
         "packages": [_package_version(name) for name in ("hillobs", "casadi")],
         "platform": [sys.platform, *platform.libc_ver(), platform.mac_ver()[0]],
-        "cpu": [platform.machine(), *_cpu("flags", "Features")],
+        "cpu": [platform.machine(), *features()],
     }
 
 
@@ -163,7 +163,7 @@ def _wheel() -> Compiler | None:
     found = importlib.util.find_spec("ziglang")
     if found is None or found.origin is None:
         return None
-    # -P: a folder `ziglang` in the current one is not to be run
+    # -P: a folder `ziglang` in the current one is never imported
     command = (sys.executable, "-P", "-m", "ziglang", "c++")
     return Compiler(command, "zig", f"ziglang {_package_version('ziglang')}", Path(found.origin).with_name("zig"))
 
@@ -175,25 +175,34 @@ def _kind(version: str) -> str:
     return "unknown"
 
 
-def _target_flags(target: str) -> tuple[str, ...]:
-    """Return the flags for the processors of `target`, or raise."""
+def target_flags(target: str, compiler: Compiler) -> tuple[str, ...]:
+    """Return the flags for a name of TARGETS; BuildError if there is none, or this processor cannot execute it."""
     flags = TARGETS.get(target)
     if flags is None:
         raise BuildError(f"Unknown target {target!r}; there are {', '.join(TARGETS)}.")
-    if (machine := _MACHINES.get(target, _MACHINE)) != _MACHINE:
+    machine = _MACHINE if target in (NATIVE, SINGLE, "scalar") else target.partition("-v")[0]
+    if machine != _MACHINE:
         raise BuildError(f"The target {target} is for {machine}; this machine is {_MACHINE}.")
+    if missing := lacking(target):
+        raise BuildError(f"The target {target} needs {', '.join(missing)}, which this processor does not have.")
     # registers of 512 bits, where there are any: gcc would rather use half of them
-    wide = ("-mprefer-vector-width=512",) if _MACHINE == "x86-64" and target != "scalar" else ()
-    # Intel's dividers take 16 cycles for eight quotients, AMD's 4 to 10; a class of processors has both
-    slow = ("-DHILLOBS_SLOW_DIVISION",) if target == NATIVE and _cpu("vendor_id") == ["GenuineIntel"] else ()
-    return (*flags, *wide, *slow)
+    wide = tuple("-mprefer-vector-width=512" for flag in flags if flag.startswith("-march="))
+    # a class of processors has members with slow and with fast dividers
+    slow = ("-DHILLOBS_SLOW_DIVISION",) if target == NATIVE and divides_slowly() else ()
+    return (*(_in_zig(flags) if compiler.kind == "zig" else flags), *wide, *slow)
+
+
+def _in_zig(flags: Sequence[str]) -> tuple[str, ...]:
+    """Return flags for processors as zig spells them; where none is named, zig would take this one."""
+    named = any(flag.startswith(("-march=", "-mcpu=")) for flag in flags)
+    return (*(flag.replace("x86-64-v", "x86_64_v") for flag in flags), *(() if named else ("-mcpu=baseline",)))
 
 
 # what one kind of compiler wants beside FLAGS
 _OWN_FLAGS: Mapping[str, tuple[str, ...]] = {
-    # the order of instructions before registers are given out; others do it by themselves
+    # scheduling before register allocation; clang does so by default
     "gcc": ("-fschedule-insns", "-fsched-pressure"),
-    # zig would first build the C++ library, a minute for nothing: our sources use C headers
+    # else zig first builds the C++ library, a minute, though our sources use C headers only
     "zig": ("-nostdlib++",),
 }
 
@@ -252,13 +261,15 @@ def _listen(process: subprocess.Popen[bytes], timeout: float) -> str:
     with selectors.DefaultSelector() as selector:
         selector.register(stream, selectors.EVENT_READ)
         while (left := deadline - time.monotonic()) > 0:
-            if selector.select(_POLL):
+            # polled before reading: what it wrote before it ended is then still read
+            ended = process.poll() is not None
+            if selector.select(0 if ended else _POLL):
                 piece = os.read(stream, 1 << 16)
                 kept = (kept + piece)[-KEPT_BYTES:]
                 if not piece:
                     process.wait(left)
                     break
-            elif process.poll() is not None:  # something it started keeps the stream open
+            elif ended:  # something it started keeps the stream open
                 break
         else:
             raise subprocess.TimeoutExpired(process.args, timeout)
@@ -299,13 +310,3 @@ def _package_version(name: str) -> str:
     with contextlib.suppress(metadata.PackageNotFoundError):
         return metadata.version(name)
     return "unknown"
-
-
-def _cpu(*entries: str) -> list[str]:
-    """Return the sorted words that /proc says of the first CPU under one of the names; none where it does not tell."""
-    with contextlib.suppress(OSError):
-        for line in Path("/proc/cpuinfo").read_text("ascii", "replace").splitlines():
-            name, _, words = line.partition(":")
-            if name.strip() in entries:
-                return sorted(set(words.split()))
-    return []

@@ -8,7 +8,9 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
+import targets
 from forks import Forks
+from hillobs.codegen.cache import BuildError
 from hillobs.model.block import Block, Parameter, Symbols, symbols
 from hillobs.observers.ports import ESTIMATES
 from hillobs.studies.cli import main as cli
@@ -17,6 +19,27 @@ from survival import SWEEP
 # a slow machine is no failure
 settings.register_profile("here", deadline=None)
 settings.load_profile("here")
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Let a run choose what stands for this machine's processor, in every test that does not name a target itself."""
+    parser.addoption(
+        "--target", metavar="NAME", help="compile for it instead of for this processor, see toolchain.TARGETS"
+    )
+    parser.addoption("--division", choices=targets.DIVISIONS, help="quotients of vectors of 512 bits")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Take over the options of `pytest_addoption`."""
+    try:
+        targets.stand_in(config.getoption("--target"), config.getoption("--division"))
+    except BuildError as error:
+        raise pytest.UsageError(str(error)) from error
+
+
+def pytest_report_header() -> str:
+    """Say what libraries are compiled for, and with what."""
+    return targets.sentence()
 
 
 @pytest.fixture(scope="session", autouse=True)

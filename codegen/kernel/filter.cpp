@@ -1,4 +1,4 @@
-// Observers that follow a recording, sample by sample; all lanes do the same, so there had better be one.
+// Observers that follow a recording, sample by sample; all lanes compute the same, so a scalar build is fastest.
 
 // One observer under way. All arrays are the caller's, those of V aligned for it.
 struct Filter {
@@ -11,7 +11,7 @@ struct Filter {
     double *results;      // n × (outputs, guards)
 };
 
-// The measurements go in a straight line from sample i − 1 to sample i: nothing later is used.
+// Measurements are interpolated linearly from sample i − 1 to sample i: nothing later is used.
 INLINE void between(const Filter &f, int64_t i, int64_t step, Sight &sight) {
     const double *from = f.y + (i > 0 ? i - 1 : 0) * N_MEASURED, *to = f.y + i * N_MEASURED;
     for (int s = 0; s < 4; ++s)

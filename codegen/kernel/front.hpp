@@ -12,16 +12,16 @@ struct Sight {
     V staged[4 * N_STAGED];
 };
 
-// all that it calls becomes part of it: then CasADi's questions whether a pointer is null are answered at compile time
+// inlines all that it calls: then CasADi's null checks are decided at compile time
 #define FLAT __attribute__((flatten, noinline))
 
 static const double NODES[] = {0, 0.5, 0.5, 1};
 
-// for arguments that a front does not read: what it sees are the measurements alone
+// stands for the arguments that a front does not read
 static const V NEVER = NAN;
 
 template <int N> INLINE void copy(const V *from, V *to) {
-#pragma GCC unroll 64  // or it becomes a call of memmove
+#pragma GCC unroll 64  // gcc would call memmove instead
     for (int i = 0; i < N; ++i) to[i] = from[i];
 }
 

@@ -38,7 +38,7 @@ INLINE Reals sine_of(Reals x, int64_t shift) {
     return pick((quadrant & 2) != 0, -value, value);
 }
 
-// so far the reduction of an angle is exact
+// the reduction of a larger angle is not exact
 static const double LARGEST_ANGLE = 1e5;
 
 #define LANE_BY_LANE(f, x)                                       \
@@ -66,23 +66,12 @@ INLINE V cos(V x) {
     return any(far) ? select(far, far_cos(x), near) : near;
 }
 
-#if defined HILLOBS_NEVER && HILLOBS_BYTES == 64
-INLINE Reals root(Reals a) {
-    const Reals r = __builtin_ia32_rsqrt14pd512_mask(a, Reals{}, __builtin_ia32_cmppd512_mask(a, Reals{}, 4, 255, 4));
-    Reals q = a * r, h = 0.5 * r;
-    const Reals e = 0.5 - h * q;
-    q = q + q * e, h = h + h * e;
-    return q + h * (a - q * q);
-}
-UNARY(sqrt, root(a))
-#else
 INLINE V sqrt(V x) {
     V r;
     for (int i = 0; i < GROUPS; ++i)
         for (int j = 0; j < WIDTH; ++j) set_lane(r, i * WIDTH + j, __builtin_sqrt(lane(x, i * WIDTH + j)));
     return r;
 }
-#endif
 
 #define LIBM(f) \
     INLINE V f(V x) { LANE_BY_LANE(::f, x); }

@@ -4,7 +4,8 @@
 #include <string.h>
 
 #define HILLOBS_EXPORT extern "C" __attribute__((visibility("default")))
-#define INLINE static inline __attribute__((always_inline))
+// no library uses all of these functions
+#define INLINE static inline __attribute__((always_inline, unused))
 
 #if defined HILLOBS_SCALAR
 #define HILLOBS_BYTES 8
@@ -18,7 +19,7 @@
 #define HILLOBS_BYTES 8
 #endif
 
-// One register: so many numbers, and whole numbers or masks of the same width.
+// One register: WIDTH numbers, and whole numbers or masks of the same width.
 #if HILLOBS_BYTES == 8
 enum { GROUPS = 1 };
 #define SECOND(...)
@@ -99,7 +100,7 @@ BINARY(operator+, a + b)
 BINARY(operator-, a - b)
 BINARY(operator*, a * b)
 #if defined HILLOBS_SLOW_DIVISION && HILLOBS_BYTES == 64
-// a/b by a step of Newton's for 1/b and one for the quotient, ≤ 1 ulp: meanwhile the divider would have made a third of it
+// a/b by one Newton step for 1/b and one for the quotient, ≤ 1 ulp, in a third of the divider's time
 INLINE Reals quotient(Reals a, Reals b) {
     const Reals r0 = __builtin_ia32_rcp14pd512_mask(b, b, 255), r = r0 + r0 * (1.0 - b * r0);
     const Reals q0 = a * r, q = q0 + r * (a - b * q0);

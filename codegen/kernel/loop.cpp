@@ -1,7 +1,7 @@
 // Many closed loops at once: the truth, then every observer and its score, grid point by grid point.
 
 enum { N_HELD = N_NOISE + N_PULSES + 2, N_ROW = 4 * N_SEEN + N_TRUTH };
-// grid points that one observer after the other passes: their code and what they see stay in the nearest caches
+// grid points that each observer computes in a row: its code and its inputs stay in the nearest caches
 enum { TILE = 4 };
 
 // A block at work in all lanes. All arrays are the caller's, aligned for V.
@@ -14,7 +14,7 @@ struct Part {
     int64_t front;               // which front it sees; observers only
 };
 
-// So many runs as fit in the lanes; spare lanes repeat the last one.
+// As many runs as there are lanes; spare lanes repeat the last one.
 struct Runs {
     int64_t n;
     const uint64_t *seeds;
@@ -101,7 +101,7 @@ static FLAT void watch(Part &part, const Part &truth, const V &t, const V *held,
             set_lane(part.guards[i], l, lane(part.guards[i], l) + lane(active[i], l));
 }
 
-// What is done at few grid points: the states, which are elsewhere meanwhile, are brought home for it.
+// Failures, records and guards, at few grid points: only for them are states written back from registers to `part`.
 template <class B>
 static __attribute__((noinline)) void attend(const Batch &batch, Runs &runs, Part &part, int64_t k, const V *staged,
                                              const V *y, const V *domain, bool wrong) {
@@ -131,7 +131,7 @@ INLINE void visit(const Batch &batch, Runs &runs, Part &part, int64_t k, const V
     B::out(&t, part.c, x, held, staged, y, domain);
     const bool wrong = suspect<B>(x, y, domain);
     if (__builtin_expect(wrong || part.record_x || part.guards, 0)) {
-        // copies: a variable whose address is known elsewhere is kept in no register
+        // copies: a variable whose address is passed on cannot stay in a register
         V outputs[B::NY + 1], limits[B::N_DOMAIN + 1];
         copy<B::NX>(x, part.x);
         copy<B::NY>(y, outputs);

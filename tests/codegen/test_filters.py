@@ -18,6 +18,8 @@ from hillobs.studies.estimate.follow import compiled_bank
 from hillobs.studies.scenarios.paths import table
 from hillobs.studies.simulate.run import simulate
 
+pytestmark = pytest.mark.numerics
+
 # the states of an observer in the independent text, then the activations
 NAMES = [f"{name}_hat" for name in ("x1", "x2", "Delta", "x3", "u1", "x4", "u2", "a1", "a2")]
 PLAIN = ("high_gain", "sliding_mode", "adaptive_sliding_mode")

@@ -4,17 +4,18 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from hillobs.codegen import toolchain
 from hillobs.codegen.library import Library, compile_functions
+from hillobs.codegen.toolchain import NATIVE, SINGLE
 from hillobs.model.arrays import Array
+
+pytestmark = pytest.mark.numerics
 
 FUNCTIONS = {"exp": ca.exp, "sin": ca.sin, "cos": ca.cos}
 # x87's 64 bits of fraction, or 113: an oracle that is right to a small part of a double's last bit
 WIDE = np.finfo(np.longdouble).nmant >= 63
 needs_width = pytest.mark.skipif(not WIDE, reason="long double is no wider than double here")
 # vectors, one run at a time, and one at a time with the instructions of the vectors
-BUILDS = [toolchain.NATIVE, "scalar", "scalar here"]
-HERE = (*toolchain.TARGETS["scalar"], *toolchain.TARGETS[toolchain.NATIVE])
+BUILDS = [NATIVE, "scalar", SINGLE]
 EDGES = [0.0, -0.0, 5e-324, -5e-324, 2.2250738585072014e-308, 1e-300, -1e-300, 1.0, -1.0, np.nextafter(1, 0)]
 NOT_FINITE = [np.nan, np.inf, -np.inf]
 
@@ -24,9 +25,7 @@ def builds() -> dict[str, Library]:
     x, y = ca.SX.sym("x"), ca.SX.sym("y")
     every = [ca.Function(f"kernel_{name}", [x], [f(x)]) for name, f in FUNCTIONS.items()]
     every += [ca.Function("kernel_fmin", [x, y], [ca.fmin(x, y)]), ca.Function("kernel_fmax", [x, y], [ca.fmax(x, y)])]
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(toolchain, "TARGETS", {**toolchain.TARGETS, "scalar here": HERE})
-        return {target: compile_functions(every, target) for target in BUILDS}
+    return {target: compile_functions(every, target) for target in BUILDS}
 
 
 def value(library: Library, name: str, *arguments: Array) -> Array:
@@ -94,7 +93,7 @@ def test_one_lane_at_a_time_gives_the_bits_of_many(builds, name: str) -> None:
     x = np.concatenate([arguments_of_exp(), arguments_of_sine(), NOT_FINITE, [800.0, -800.0, 1e308, -1e308]])
     if name != "exp":
         x = x[~(np.abs(x) > 1e5)]  # beyond, it is the system's
-    one, other = (value(builds[build], name, x) for build in (toolchain.NATIVE, "scalar here"))
+    one, other = (value(builds[build], name, x) for build in (NATIVE, SINGLE))
     assert one.tobytes() == other.tobytes()
 
 
@@ -102,10 +101,10 @@ def test_one_lane_at_a_time_gives_the_bits_of_many(builds, name: str) -> None:
 def test_a_value_depends_on_no_other_lane(builds, name: str) -> None:
     """Far angles, no numbers and ordinary ones side by side, in any order."""
     x = np.concatenate([arguments_of_sine()[::97], NOT_FINITE, [1e6, 1e300]])
-    alone = np.concatenate([value(builds[toolchain.NATIVE], name, x[i : i + 1]) for i in range(0, len(x), 7)])
+    alone = np.concatenate([value(builds[NATIVE], name, x[i : i + 1]) for i in range(0, len(x), 7)])
     order = np.random.default_rng(3).permutation(len(x))
     mixed = np.empty_like(x)
-    mixed[order] = value(builds[toolchain.NATIVE], name, x[order])
+    mixed[order] = value(builds[NATIVE], name, x[order])
     np.testing.assert_array_equal(mixed[::7].view(np.uint64), alone.view(np.uint64))
 
 

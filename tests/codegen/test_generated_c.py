@@ -1,17 +1,25 @@
 """The C++ as a compiler sees it: no warning, no report of the sanitizers, its own exports only."""
 
+import functools
+import importlib.util
 import os
+import shutil
 import subprocess
+import sys
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
+import casadi as ca
 import pytest
 
 from hillobs.codegen.batch import compile_loop
-from hillobs.codegen.export import Source
+from hillobs.codegen.export import Source, export_functions
+from hillobs.codegen.filters import export_bank
 from hillobs.codegen.loop import export_loop
-from hillobs.codegen.toolchain import find_compiler
+from hillobs.codegen.toolchain import NATIVE, Compiler, find_compiler, target_flags
 from hillobs.model.curves import NGUYEN2019
 from hillobs.model.pair import DRIVES
+from hillobs.studies.estimate.follow import follower_bank
 from hillobs.studies.scenarios.loops import full_table, paper_loop
 
 SANITIZE = (
@@ -24,9 +32,11 @@ SANITIZE = (
 )
 
 
-def compile_text(text: str, folder: Path, *flags: str) -> subprocess.CompletedProcess[str]:
+def compile_text(
+    text: str, folder: Path, *flags: str, by: Sequence[str] | None = None
+) -> subprocess.CompletedProcess[str]:
     (folder / "loop.cpp").write_text(text)
-    command = [*find_compiler().command, "-std=c++17", "-DHILLOBS_ABI=1", *flags, "loop.cpp", "-o", "loop"]
+    command = [*(by or find_compiler().command), "-std=c++17", "-DHILLOBS_ABI=1", "loop.cpp", "-o", "loop", *flags]
     return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
 
 
@@ -34,9 +44,29 @@ def source(drive: str) -> Source:
     return export_loop(paper_loop(drive, NGUYEN2019))
 
 
-@pytest.mark.parametrize("drive", DRIVES)
-def test_it_compiles_without_a_warning(drive: str, tmp_path: Path) -> None:
-    done = compile_text(source(drive).text, tmp_path, "-fsyntax-only", "-Wall", "-Wextra", "-Wpedantic", "-Werror")
+SOURCES: dict[str, Callable[[], Source]] = {
+    **{drive: functools.partial(source, drive) for drive in DRIVES},
+    "followers": lambda: export_bank(follower_bank(NGUYEN2019, True)),
+    "functions": lambda: export_functions([ca.Function("nothing", [], [ca.SX(1)])]),
+}
+COMPILERS = {
+    "g++": ["g++"],
+    "clang++": ["clang++"],
+    "zig": [sys.executable, "-P", "-m", "ziglang", "c++"],
+}
+
+
+@pytest.mark.parametrize("what", SOURCES)
+@pytest.mark.parametrize("name", COMPILERS)
+def test_it_compiles_without_a_warning(name: str, what: str, tmp_path: Path) -> None:
+    """With each compiler that is installed, for all its lanes."""
+    command, zig = COMPILERS[name], name == "zig"
+    if shutil.which(command[0]) is None or (zig and importlib.util.find_spec("ziglang") is None):
+        pytest.skip(f"{name} is not installed")
+    compiler = Compiler(tuple(command), "zig" if zig else "", "", Path())
+    checked = ("-O0", "-c", "-o", "loop.o") if zig else ("-fsyntax-only",)
+    strict = ("-Wall", "-Wextra", "-Wpedantic", "-Werror", "-Wno-psabi")
+    done = compile_text(SOURCES[what]().text, tmp_path, *target_flags(NATIVE, compiler), *strict, *checked, by=command)
     assert done.returncode == 0, done.stderr[-2000:]
 
 

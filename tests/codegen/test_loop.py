@@ -20,6 +20,8 @@ from hillobs.studies.simulate.files import columns
 from hillobs.studies.simulate.run import simulate, simulate_prepared
 from places import DATA
 
+pytestmark = pytest.mark.numerics
+
 REFERENCE = DATA / "paper_clean.csv.gz"
 GROUPS = {"high_gain": 1e-8, "sliding_mode": 1e-6, "adaptive_sliding_mode": 2e-4}
 

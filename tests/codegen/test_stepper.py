@@ -16,6 +16,8 @@ from hillobs.observers import OBSERVERS, baseline_estimator, estimator
 from hillobs.observers.score import score
 from hillobs.observers.tendons import LENGTHS, tendons
 
+pytestmark = pytest.mark.numerics
+
 HELD = (*NOISE_CHANNELS, *PULSES, "window", "sample")
 
 

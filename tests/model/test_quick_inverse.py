@@ -12,6 +12,8 @@ from hillobs.model.block import symbols
 from hillobs.model.curves import NGUYEN2019
 from hillobs.model.curves.nguyen2019 import TENDON
 
+pytestmark = pytest.mark.numerics
+
 # forces at the four stages of a step
 STAGES = 4
 needs_width = pytest.mark.skipif(np.finfo(np.longdouble).nmant < 63, reason="long double is no wider than double here")

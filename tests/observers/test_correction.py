@@ -14,6 +14,8 @@ from hillobs.model.block import Block, Symbols, symbols
 from hillobs.observers import FOLLOWERS
 from hillobs.observers.adaptive_sliding_mode import PARAMETERS as ADAPTIVE
 
+pytestmark = pytest.mark.numerics
+
 T, LONG = 0.01, 100.0
 DELTA, U1, U2 = 0.1, 0.05, -0.03
 SLIDING = ("sliding_mode", "adaptive_sliding_mode")

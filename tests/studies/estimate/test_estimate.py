@@ -30,6 +30,8 @@ from hillobs.studies.laboratory.recording import Recording, read_recording
 from hillobs.studies.laboratory.scales import Scales, scales
 from places import DATA, DOCS, RECORDINGS
 
+pytestmark = pytest.mark.numerics
+
 SHIPPED, MUSCLES = RECORDINGS / "dgf_smooth_noisy.csv.gz", RECORDINGS / "dgf_smooth.toml"
 EVERY = list(FOLLOWERS)
 ESTIMATED = ("position", "velocity", "disturbance", "tendon_length", "fibre_length", "fibre_velocity", "activation")

@@ -10,6 +10,8 @@ from hillobs.studies.simulate.run import simulate
 from hillobs.studies.sweep.axes import Range, axes, parse_axis
 from hillobs.studies.sweep.run import sweep
 
+pytestmark = pytest.mark.numerics
+
 SHORT = {"duration": 0.2, "score.start": 0.05}
 EPS = {"high_gain.eps_h": Range(0.02, 0.5, 5, logarithmic=True)}
 

@@ -20,6 +20,8 @@ from hillobs.studies.sweep.plan import Plan, plan
 from hillobs.studies.sweep.points import run_points
 from hillobs.studies.sweep.run import sweep
 
+pytestmark = pytest.mark.numerics
+
 OBSERVERS = (BASELINE, "high_gain", "sliding_mode", "adaptive_sliding_mode")
 # fibres long enough for Φ_P, forces that pretension holds, pulses, noise, and estimates that begin on both sides
 ACTIVE = {

@@ -1,0 +1,71 @@
+"""`make portable`: what compiled code computes, for every target, division and compiler that can be tried here.
+
+No processor is at hand but this one. A compiler that schedules for AMD's stands for those: it rounds products and sums
+together in other places, and the quotients of its vectors are the divider's.
+"""
+
+import os
+import shlex
+import shutil
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+from hillobs.codegen.cache import BuildError
+from hillobs.codegen.toolchain import NATIVE, TARGETS, find_compiler, target_flags
+from targets import DIVISIONS
+
+COMPILERS = ("g++", "g++ -mtune=znver3", "clang++")
+# the kernel divides by Newton's method in vectors of 512 bits only
+WIDE = (NATIVE, "x86-64-v4")
+ROOT = Path(__file__).parents[1]
+
+
+def refusal(compiler: str, target: str) -> str:
+    """Why a target cannot be tried here with a compiler, or an empty text."""
+    if shutil.which(shlex.split(compiler)[0]) is None:
+        return "not installed"
+    try:
+        os.environ["CXX"] = compiler
+        target_flags(target, find_compiler())
+    except BuildError as error:
+        return str(error)
+    return ""
+
+
+def runs() -> Iterator[tuple[str, str, str]]:
+    """Compiler, target and division of each run."""
+    for compiler in COMPILERS:
+        for target in TARGETS:
+            for division in DIVISIONS if target in WIDE else ("plain",):
+                yield compiler, target, division
+
+
+def tried(compiler: str, target: str, division: str) -> tuple[bool, str]:
+    """Whether all tests passed, and pytest's last line. What is wrong is printed."""
+    command = [sys.executable, "-m", "pytest", "-m", "numerics", "-p", "no:cacheprovider"]
+    command += ["--target", target, "--division", division, *sys.argv[1:]]
+    ran = subprocess.run(command, cwd=ROOT, env={**os.environ, "CXX": compiler}, capture_output=True, text=True)
+    *lines, last = ran.stdout.strip().splitlines() or [ran.stderr.strip()]
+    if ran.returncode:
+        print("\n".join([*lines, ran.stderr]))
+    return ran.returncode == 0, last
+
+
+def main() -> int:
+    """Try them all; 0 if each passed. Further arguments are pytest's."""
+    start, table, passed = time.monotonic(), [], True
+    for compiler, target, division in runs():
+        reason = refusal(compiler, target)
+        good, words = (True, f"skipped: {reason}") if reason else tried(compiler, target, division)
+        table.append(f"{compiler:18} {target:14} {division:7} {words}")
+        print(table[-1], flush=True)
+        passed &= good
+    print("\n".join(["", *table, f"{'all' if passed else 'not all'} passed, {time.monotonic() - start:.0f} s"]))
+    return 0 if passed else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
