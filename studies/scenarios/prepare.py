@@ -10,7 +10,7 @@ from ...codegen.loop import Loop
 from ...codegen.memory import Grid
 from ...model.block import Block
 from ...model.symbols import MUSCLES, QUANTITIES, hat
-from ...observers import OBSERVERS
+from ...observers import OBSERVERS, PAPER
 from ...observers.score import MEASURES
 from ..files.errors import ScenarioError
 from ..files.quote import shown
@@ -58,7 +58,7 @@ def prepare(
         observers = [observers]
     name, content = read(source)
     custom = tuple(block for block in observers or () if isinstance(block, Block))
-    chosen = tuple(dict.fromkeys(o.name if isinstance(o, Block) else o for o in (observers or OBSERVERS)))
+    chosen = tuple(dict.fromkeys(o.name if isinstance(o, Block) else o for o in (observers or PAPER)))
     known = [*OBSERVERS, *(block.name for block in custom)]
     for observer in chosen:
         if observer not in known:

@@ -41,8 +41,8 @@ def notes(dataset: xr.Dataset) -> Iterator[str]:
         f"one every {period * 1e3:.4g} ms"
         + (f", but some after {longest * 1e3:.4g} ms" if longest > _UNEVEN * period else "")
     )
-    if attributes["every"] != "1":
-        yield f"estimates are kept of every {attributes['every']}th sample"
+    if (keep_every := json.loads(attributes["settings"])["keep_every"]) > 1:
+        yield f"estimates are kept of every {keep_every}th sample"
     yield from json.loads(attributes["notes"])
     if dataset.bridged.any():
         yield f"gaps bridged by straight lines {_episodes(time, dataset.bridged.values > 0)}"
