@@ -29,7 +29,7 @@ _C1, _CL, _CL3 = 0.35, 0.27, 0.35
 _FASTEST = 0.7
 # largest ε: nothing is slower than the muscle itself, and a late disturbance must still be followed
 _SLOWEST_1, _SLOWEST_L = 0.5, 0.3
-# Δ̂ and û are judged after so many ε, at most this part of the samples later
+# Δ̂ and û are judged after this many ε, but no later than this part of the samples
 _SETTLED, _PART = 10.0, 4
 # the largest value is the one that this share does not exceed
 _SHARE = 0.995
@@ -39,7 +39,7 @@ _LEAST = 0.02
 _PASSED = 3 / 16
 # the acceleration, whose noise is not measured, is wild beyond 8 · 2 % of its range
 _SPREAD = 0.02
-# long recordings: so many blocks of so many samples
+# of a long recording: number of blocks that are looked at, and samples of each
 _BLOCKS, _BLOCK = 10, 10_000
 # statistics of fewer samples are none
 _FEW = 50

@@ -41,22 +41,23 @@ def tabulated_curves(points: Mapping[str, object]) -> CurveSet:
     if sorted(points) != sorted(TABLES):
         raise ScenarioError(f"must have the tables {', '.join(TABLES)}, not {shown(', '.join(points))}")
     try:
-        return tabulated(Tables(**{name: tuple(map(_pair, _listed(points[name]))) for name in TABLES}))
-    except TypeError as error:
+        return tabulated(Tables(**{name: _points(points[name]) for name in TABLES}))
+    except (TypeError, OverflowError) as error:
         raise ScenarioError("tables must be lists of points [x, y]") from error
     except TableError as error:
         raise ScenarioError(str(error)) from error
 
 
-def _listed(points: object) -> list[object]:
+def _points(points: object) -> Points:
+    """Points as TOML and JSON have them; TypeError if they are something else."""
     if not isinstance(points, list):
         raise TypeError
-    return points
+    return tuple(map(_point_of, points))
 
 
-def _pair(point: object) -> tuple[float, float]:
+def _point_of(point: object) -> tuple[float, float]:
     match point:
-        case [int() | float() as x, int() | float() as y]:
+        case [int() | float() as x, int() | float() as y] if bool not in (type(x), type(y)):
             return float(x), float(y)
     raise TypeError
 

@@ -15,15 +15,19 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 import hillobs
-from hillobs.model.block import Symbols
+from double_pole import double_pole
+from hillobs.codegen import filters
+from hillobs.model.block import Symbols, symbols
 from hillobs.observers import PAPER
-from hillobs.studies.cli.reports.estimate import failures, notes
+from hillobs.studies.cli.reports.estimate import failures, notes, timing
 from hillobs.studies.estimate import follow
-from hillobs.studies.estimate.run import estimate
+from hillobs.studies.estimate.dataset import arguments as again
+from hillobs.studies.estimate.files import save_estimates
+from hillobs.studies.estimate.run import compile_observers, estimate
 from hillobs.studies.estimate.scores import scores
 from hillobs.studies.figures.estimate import estimate_sheet
 from hillobs.studies.files.errors import RecordingError, ScenarioError
-from hillobs.studies.files.netcdf import load
+from hillobs.studies.files.netcdf import load, save_netcdf
 from hillobs.studies.files.tables import Series, write_csv
 from hillobs.studies.laboratory.muscles import MusclePair, read_muscles
 from hillobs.studies.laboratory.recording import Recording, read_recording
@@ -246,11 +250,16 @@ def test_pieces_change_no_bit(short: Recording, chunk: int, monkeypatch: pytest.
     assert told[-1] == 1
 
 
-def test_progress_rises_to_1_over_all_observers(short: Recording) -> None:
+def test_progress_rises_to_1_over_reading_and_all_observers(short: Recording) -> None:
     told: list[float] = []
     estimate(short, MUSCLES, progress=told.append)
     assert told == sorted(told)
     assert (told[0] > 0, told[-1], len(told)) == (True, 1, 3)
+    told.clear()
+    estimate(SHIPPED, MUSCLES, progress=told.append)
+    assert told == sorted(told)
+    # the file is the first of four parts
+    assert (told[0] <= 0.25, 0.25 in told, told[-1]) == (True, True, 1)
 
 
 def test_samples_may_come_unevenly(noisy: xr.Dataset) -> None:
@@ -343,6 +352,149 @@ def test_the_sheet_shows_errors_where_the_truth_is_known(noisy: xr.Dataset) -> N
     assert len(estimate_sheet(alone).axes) == len(labels) - 1
     bridged = alone.isel(time=[0]).assign(bridged=alone.bridged.isel(time=[0]) + 1)
     assert all(axes.collections for axes in estimate_sheet(bridged).axes)
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        {},
+        {"observers": "high_gain_3", "corrected": False, "keep_every": 3},
+        {"changes": {"high_gain.eps_h": 1 / 3, "sliding_mode.tau_c": 0.2}, "mapping": {"position": "position"}},
+    ],
+)
+def test_a_result_is_repeated_from_its_own_file(arguments: dict[str, object], tmp_path: Path) -> None:
+    once = estimate(SHIPPED, MUSCLES, **arguments)
+    save_netcdf(once, tmp_path / "x.nc")
+    xr.testing.assert_identical(estimate(SHIPPED, **again(load(tmp_path / "x.nc"))), once)
+
+
+@pytest.mark.parametrize("first", ["tables.csv", "thelen2003"])
+def test_the_curves_of_unlike_muscles_are_in_the_file_too(
+    first: str, unlike: tuple[Path, Path], tmp_path: Path
+) -> None:
+    (tmp_path / "tables.csv").write_bytes((DATA / "curves_millard_tables.csv").read_bytes())
+    muscles = tmp_path / "muscles.toml"
+    muscles.write_text(UNLIKE.replace("degroote_fregly2016", first))
+    once = estimate(unlike[0], muscles, "sliding_mode")
+    save_netcdf(once, tmp_path / "x.nc")
+    for path in (tmp_path / "tables.csv", muscles):
+        path.unlink()
+    xr.testing.assert_identical(estimate(unlike[0], **again(load(tmp_path / "x.nc"))), once)
+
+
+def test_the_muscles_of_a_result_are_told_in_SI(noisy: xr.Dataset) -> None:
+    muscles = json.loads(str(noisy.muscle_file.values))
+    assert (muscles["mass"], muscles["C"]) == (20.0, 0.62)
+    assert muscles["muscle2"] == {
+        "curves": "degroote_fregly2016",
+        "F_max": 1000.0,
+        "optimal_fibre_length": 0.1,
+        "tendon_slack_length": 0.2,
+        "v_max": 10.0,
+        **read_muscles(MUSCLES).muscle2.numbers,
+    }
+
+
+def test_what_an_earlier_run_has_left_does_not_pass_for_the_new_result(
+    noisy: xr.Dataset, short: Recording, tmp_path: Path
+) -> None:
+    users = {
+        "estimates-mine.sto": "estimates of mine\n",
+        "estimates-yours.sto": "estimates of mine from elsewhere\n",
+        "estimates.mot": "estimates of high_gain from elsewhere\n",
+        "notes.txt": "",
+    }
+    for name, text in users.items():
+        (tmp_path / name).write_text(text)
+    (tmp_path / "estimates-folder.sto").mkdir()
+    save_estimates(noisy, scores(noisy), tmp_path)
+    assert (tmp_path / "scores.csv").exists()
+    assert (tmp_path / "estimates-sliding_mode.sto").exists()
+    found = estimate(short, MUSCLES, ["high_gain", "high_gain_3"])
+    written = save_estimates(found, scores(found), tmp_path)
+    names = {"estimates.nc", "estimates.csv", "estimates-high_gain.sto", "estimates-high_gain_3.sto"}
+    assert {path.name for path in written} == names
+    assert {path.name for path in tmp_path.iterdir()} == {*names, *users, "estimates-folder.sto"}
+    save_estimates(found.sel(observer=["high_gain"]), [], tmp_path)
+    assert not (tmp_path / "estimates-high_gain.sto").exists()
+    # scores that we have not written stay
+    (tmp_path / "scores.csv").write_text("observer,points\n")
+    save_estimates(found, [], tmp_path)
+    assert {path.name for path in tmp_path.iterdir()} == {*names, *users, "estimates-folder.sto", "scores.csv"}
+
+
+@pytest.mark.parametrize(
+    ("seconds", "sentence"),
+    [
+        ((0.052, 9.04, 0.0312), "read in 0.05 s, observers built in 9.04 s, followed in 0.03 s: 16 µs a sample"),
+        ((12.3, 36.2, 1712.0), "read in 12 s, observers built in 36 s, followed in 1,712 s: 855,572 µs a sample"),
+        ((0.0, 0.0, 0.0), "read in 0.00 s, observers built in 0.00 s, followed in 0.00 s: 0.0 µs a sample"),
+    ],
+)
+def test_times_are_told_without_powers_of_ten(
+    seconds: tuple[float, float, float], sentence: str, noisy: xr.Dataset
+) -> None:
+    assert timing(noisy, *seconds) == sentence
+
+
+def test_observers_are_built_before_they_are_needed(short: Recording, monkeypatch: pytest.MonkeyPatch) -> None:
+    compile_observers(read_muscles(MUSCLES), "high_gain")
+    monkeypatch.setattr(filters, "load", lambda *arguments: pytest.fail("compiled"))
+    estimate(short, MUSCLES, "high_gain")
+
+
+# an observer of one's own
+
+
+def test_a_users_own_observer_follows_a_recording(short: Recording) -> None:
+    mine = double_pole("mine")
+    # as fast as this both take one step from sample to sample, 0.05 in τ
+    by_hand = {"mine.rate": 10, "high_gain.eps_h": 0.1, "high_gain.eps_L": 0.1}
+    found = estimate(short, MUSCLES, ["high_gain", mine], changes=by_hand)
+    assert json.loads(found.attrs["substeps"]) == {"high_gain": 1, "mine": 1}
+    for name in ("position", "velocity", "fibre_length", "fibre_velocity", "activation"):
+        ours, own = (found[f"{name}_hat"].sel(observer=observer).values for observer in ("high_gain", "mine"))
+        np.testing.assert_allclose(own, ours, rtol=1e-9, atol=1e-10)
+    assert next(line for line in notes(found) if line.startswith("mine")).endswith("sample; rate = 10")
+
+
+def test_a_users_own_observer_has_its_defaults_and_steps_of_its_eigenvalues(short: Recording) -> None:
+    mine = double_pole("mine")
+    found = estimate(short, MUSCLES, mine)
+    assert json.loads(found.attrs["gains"]) == {"mine": {}}
+    assert "mine: 1 step from sample to sample" in list(notes(found))
+    # its triple pole, 0.05 · rate/2.5
+    fast = estimate(short, MUSCLES, mine, changes={"mine.rate": 200.0})
+    assert json.loads(fast.attrs["substeps"]) == {"mine": 5}
+    with pytest.raises(
+        ScenarioError, match=r"the gains of mine are too fast for samples 0.05 apart: they ask for 1e\+"
+    ):
+        estimate(short, MUSCLES, mine, changes={"mine.rate": 5e7})
+
+
+def test_an_observer_that_estimates_activations_itself_has_no_limits(short: Recording) -> None:
+    plain = double_pole("mine")
+    a = Symbols(a1_hat=ca.SX(0.25), a2_hat=ca.SX(0.5))
+    found = estimate(short, MUSCLES, dataclasses.replace(plain, y=Symbols({**plain.y, **a})))
+    assert (found.activation_hat == [0.25, 0.5]).all()
+    assert not found.activation_limited.any()
+
+
+@pytest.mark.parametrize("name", ["high_gain", "plant", "initial", "muscle1", "lengths", "tendons"])
+def test_a_name_that_is_taken_is_refused(name: str, short: Recording) -> None:
+    with pytest.raises(ScenarioError, match=f"the name '{name}' is taken; give your observer another one"):
+        estimate(short, MUSCLES, double_pole(name))
+
+
+def test_a_users_own_observer_that_no_recording_can_move_is_refused(short: Recording) -> None:
+    mine = double_pole("mine")
+    counting = symbols("n")
+    counter = dataclasses.replace(mine, x=Symbols({**mine.x, **counting}), per_step=Symbols(n=counting.n + 1))
+    with pytest.raises(ScenarioError, match="mine moves at the points of a time grid, and a recording has none"):
+        estimate(short, MUSCLES, counter)
+    with pytest.raises(ScenarioError, match="two observers are called 'mine'; give one another name"):
+        estimate(short, MUSCLES, [mine, double_pole("mine")])
+    assert estimate(short, MUSCLES, [mine, mine]).sizes["observer"] == 1
 
 
 # what a recording lacks
