@@ -76,17 +76,17 @@ def theorem(p: Symbols, facts: Symbols) -> list[Condition]:
 
 
 def rates(p: Symbols) -> Mapping[str, ca.SX]:
-    """A pole of each chain."""
+    """The poles of the chains."""
     return pole_rates(p, *_CHAINS)
 
 
-def pole_rates(p: Symbols, *injections: tuple[str, ...]) -> Mapping[str, ca.SX]:
-    """The rate of each of three chains: 1/ε with binomial injections.
+def pole_rates(p: Symbols, *chains: tuple[str, ...]) -> Mapping[str, ca.SX]:
+    """The rates of the chains of x̂₁, x̂₃, x̂₄, of which the names of the injections are given: 1/ε if these are binomial.
 
-    With others it is that of the multiple pole which has as much of one of the coefficients.
+    With others a rate is that of the multiple pole which has as much of one of the coefficients.
     """
-    names, eps = ("ρ₁/ε_h", "ρ₃/ε_L", "ρ₄/ε_L"), (p.eps_h, p.eps_L, p.eps_L)
-    return {name: _multiple_pole(p, chain) / e for name, chain, e in zip(names, injections, eps, strict=True)}
+    rho_1, rho_3, rho_4 = (_multiple_pole(p, chain) for chain in chains)
+    return {"ρ/ε_h": rho_1 / p.eps_h, "ρ/ε_L": ca.fmax(rho_3, rho_4) / p.eps_L}
 
 
 def _multiple_pole(p: Symbols, chain: tuple[str, ...]) -> ca.SX:

@@ -54,7 +54,7 @@ def theorem(p: Symbols, facts: Symbols) -> list[Condition]:
 
 
 def rates(p: Symbols) -> Mapping[str, ca.SX]:
-    """A pole of each chain."""
+    """The poles of the chains."""
     return pole_rates(p, *_CHAINS)
 
 

@@ -87,8 +87,7 @@ def theorem(p: Symbols, facts: Symbols) -> list[Condition]:
 def rates(p: Symbols) -> Mapping[str, ca.SX]:
     """Slopes of v₂, v₃ and v₁₁, bandwidth of e₁ in its layer, the filters."""
     return {
-        "α₂/δ_L": p.alpha2 / p.delta_L,
-        "α₃/δ_L": p.alpha3 / p.delta_L,
+        "α/δ_L": ca.fmax(p.alpha2, p.alpha3) / p.delta_L,
         f"{SLOPE:g} λ₁₁/√δ_s": SLOPE * p.lambda11 / ca.sqrt(p.delta_s),
         "√(α₁₁/δ_s)": ca.sqrt(p.alpha11 / p.delta_s),
         "1/τ_s": 1 / p.tau_s,

@@ -65,7 +65,7 @@ def estimate(
     bank = _bank(pair, corrected, chosen)
     _refuse_taken(chosen, bank)
     paths = table(bank.observers)
-    settings = Settings(corrected, _checked(changes or {}, paths, chosen), _whole(keep_every))
+    settings = _settings(corrected, changes or {}, keep_every, paths, chosen)
     if isinstance(recording, Recording):
         shares, read = _shares(progress, len(chosen)), recording
     else:
@@ -103,7 +103,12 @@ def _refuse_taken(chosen: Mapping[str, Observer], bank: Bank) -> None:
             raise ScenarioError(f"the name {name!r} is taken; give your observer another one")
 
 
-def _checked(changes: Mapping[str, Value], paths: Table, chosen: Mapping[str, Observer]) -> dict[str, float]:
+def _settings(
+    corrected: bool, changes: Mapping[str, Value], keep_every: int, paths: Table, chosen: Mapping[str, Observer]
+) -> Settings:
+    """What was asked for, checked before anything is read. ScenarioError says what is wrong."""
+    if keep_every < 1:
+        raise ScenarioError(f"keep_every must be at least 1, not {keep_every}")
     given: dict[str, float] = {}
     for path, value in changes.items():
         if path.partition(".")[0] not in chosen:
@@ -111,13 +116,7 @@ def _checked(changes: Mapping[str, Value], paths: Table, chosen: Mapping[str, Ob
                 f"{shown(path)} is no gain of {', '.join(chosen)}; the muscle file has all other numbers"
             )
         given |= {member: checked_number(member, value, paths) for member in paths.expand(path)}
-    return given
-
-
-def _whole(keep_every: int) -> int:
-    if keep_every < 1:
-        raise ScenarioError(f"keep_every must be at least 1, not {keep_every}")
-    return keep_every
+    return Settings(corrected, given, keep_every)
 
 
 def _shares(progress: Progress, parts: int) -> Iterator[Progress]:
