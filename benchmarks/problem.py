@@ -17,7 +17,7 @@ from hillobs.model.arrays import Array
 from hillobs.model.block import Block
 from hillobs.model.symbols import QUANTITIES, hat
 from hillobs.model.wiring import wire
-from hillobs.observers import ESTIMATES, OBSERVERS
+from hillobs.observers import ESTIMATES, PAPER
 from hillobs.observers.score import MEASURES
 from hillobs.studies.scenarios.prepare import prepare
 
@@ -39,7 +39,7 @@ class Problem:
     @property
     def observers(self) -> tuple[Block, ...]:
         """The observers that take part."""
-        return tuple(block for block in self.loop.observers if block.name in OBSERVERS)
+        return tuple(block for block in self.loop.observers if block.name in PAPER)
 
     @property
     def names(self) -> list[str]:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import replace
 
 import casadi as ca
 
@@ -11,47 +11,30 @@ from ..model.block import Block, BlockError, Symbols
 from ..model.curves import NGUYEN2019, Curves, tendon_parameters
 from ..model.symbols import hat
 from ..model.wiring import rename, wire
-from . import adaptive_sliding_mode, high_gain, sliding_mode
 from .activation import activation_estimate
+from .adaptive_sliding_mode import ADAPTIVE_SLIDING_MODE
 from .baseline import baseline
-from .conditions import Conditions
+from .high_gain import HIGH_GAIN
+from .high_gain_3 import HIGH_GAIN_3
+from .observer import Observer
 from .ports import ESTIMATES, INPUTS
+from .sliding_mode import SLIDING_MODE
 from .tendons import tendons
 
-
-@dataclass(frozen=True)
-class Observer:
-    """How an observer is built, what its theorem asks, and what tables and figures call it."""
-
-    build: Callable[[], Block]
-    conditions: Conditions
-    label: str
-
-
-OBSERVERS = {
-    "high_gain": Observer(high_gain.high_gain, high_gain.conditions, "HGO"),
-    "sliding_mode": Observer(sliding_mode.sliding_mode, sliding_mode.conditions, "SMO"),
-    "adaptive_sliding_mode": Observer(
-        adaptive_sliding_mode.adaptive_sliding_mode, adaptive_sliding_mode.conditions, "ASMO"
-    ),
+# in this order figures give them their lines: append new ones
+OBSERVERS: Mapping[str, Observer] = {
+    "high_gain": HIGH_GAIN,
+    "sliding_mode": SLIDING_MODE,
+    "adaptive_sliding_mode": ADAPTIVE_SLIDING_MODE,
+    "high_gain_3": HIGH_GAIN_3,
 }
-
-
-# observers of recordings, whose layers may be corrected
-FOLLOWERS: Mapping[str, Callable[[bool], Block]] = {
-    "high_gain": lambda corrected: high_gain.high_gain(),
-    "high_gain_3": lambda corrected: high_gain.high_gain_3(),
-    "sliding_mode": sliding_mode.sliding_mode,
-    "adaptive_sliding_mode": adaptive_sliding_mode.adaptive_sliding_mode,
-}
+# those that run where none are named
+PAPER = ("high_gain", "sliding_mode", "adaptive_sliding_mode")
 
 
 def label(name: str) -> str:
-    """What tables and figures call an observer."""
-    return OBSERVERS[name].label if name in OBSERVERS else _LABELS.get(name, name)
-
-
-_LABELS = {"high_gain_3": "HGO3"}
+    """What tables and figures call an observer; one that is not registered goes by its own name."""
+    return OBSERVERS[name].label if name in OBSERVERS else name
 
 
 _ACTIVATIONS = ("a1_hat", "a2_hat")
@@ -70,20 +53,20 @@ def estimator(observer: Block, curves: Curves = NGUYEN2019, activations: bool = 
         raise BlockError(
             f"{observer.name}: the state {odd[0]!r} has no name that a result can carry; use letters, digits, _"
         )
-    own = [name for name in _ACTIVATIONS if name in observer.y]
-    if len(own) == 1:
-        other = next(name for name in _ACTIVATIONS if name not in own)
-        raise BlockError(f"{observer.name}: it estimates {own[0]}, so it must estimate {other} as well")
-    behind = [] if own or not activations else [activation_estimate(curves)]
+    estimated = [name for name in _ACTIVATIONS if name in observer.y]
+    if len(estimated) == 1:
+        other = next(name for name in _ACTIVATIONS if name not in estimated)
+        raise BlockError(f"{observer.name}: it estimates {estimated[0]}, so it must estimate {other} as well")
+    behind = [] if estimated or not activations else [activation_estimate(curves)]
     for part in (*behind, tendons(curves)):
         _refuse_clashes(observer, part)
     connections = {f"{observer.name}.{port}": port for port in observer.u}
     connections |= {f"{part.name}.{name}": f"{observer.name}.{name}" for part in behind for name in ESTIMATES}
     external = {port: "t" if port == "t" else "held" if port in observer.held else "staged" for port in observer.u}
     wired = wire(observer.name, [observer, *behind], connections, external)
-    every = [*wired.x, *wired.y, *wired.p, *wired.guards, *wired.domain]
+    names = [*wired.x, *wired.y, *wired.p, *wired.guards, *wired.domain]
     outputs = [*ESTIMATES, *(_ACTIVATIONS if activations else ())]
-    whole = rename(wired, observer.name, {key: key.partition(".")[2] for key in every}, outputs)
+    whole = rename(wired, observer.name, {key: key.partition(".")[2] for key in names}, outputs)
     # its own numbers of the tendons that tell it L_S1 and L_S2
     parameters = {**whole.parameters, **tendon_parameters(curves)}
     return replace(
@@ -94,15 +77,15 @@ def estimator(observer: Block, curves: Curves = NGUYEN2019, activations: bool = 
 def _refuse_clashes(observer: Block, part: Block) -> None:
     """A name of the observer that another part of its estimator has too must be the same shared number."""
     for name, parameter in part.parameters.items():
-        own = observer.parameters.get(name)
-        if own is not None and (not own.shared or own.shared != parameter.shared):
+        same = observer.parameters.get(name)
+        if same is not None and (not same.shared or same.shared != parameter.shared):
             raise BlockError(
                 f"{observer.name}: the {part.name} wired to it has a parameter {name} too; give yours another name"
                 + (f", or share {parameter.shared}" if parameter.shared else "")
             )
-    if same := [name for name in part.guards if name in observer.guards]:
+    if guards := [name for name in part.guards if name in observer.guards]:
         raise BlockError(
-            f"{observer.name}: the {part.name} wired to it has the guard {same[0]} too; give yours another name"
+            f"{observer.name}: the {part.name} wired to it has the guard {guards[0]} too; give yours another name"
         )
 
 
@@ -111,4 +94,4 @@ def baseline_estimator(curves: Curves = NGUYEN2019, activations: bool = True) ->
     return estimator(baseline(), curves, activations)
 
 
-__all__ = ["ESTIMATES", "FOLLOWERS", "OBSERVERS", "Observer", "baseline_estimator", "estimator", "hat", "label"]
+__all__ = ["ESTIMATES", "OBSERVERS", "PAPER", "Observer", "baseline_estimator", "estimator", "hat", "label"]

@@ -3,18 +3,31 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 import casadi as ca
 
 from ..model.block import Block, Parameter, Symbols, symbols
 from ..model.dialect import clamp, dead_zone, no_higher, no_lower, root, sg
 from ..model.skeleton import MASS
-from .conditions import RK4_LIMIT, Condition, above, below, between, equal, positive
-from .correction import layers_corrected
+from .conditions import Condition, above, between, equal, positive
+from .layers import SLOPE, correction_rates, layers, layers_corrected
+from .observer import STABLE, Observer, Sizes
 from .ports import SENSED, START, estimates, output_errors, start
 
 _PAPER, _CHOSEN, _OURS = "paper, §V", "chosen, docs/observers.md#choices-and-guards", "docs/gains.md"
 _BETA0 = 1.1
+# |d|û|/dτ| ≤ q sup|u̇|
+_Q = 1.1
+
+# for recordings: √ of how far L may grow beyond l₀
+_GROWN = 1.5
+# margin of k₁, k₂; least bound of theirs; bound of the second layers
+_EPS_A, _LEAST_K, _R_MAX = 0.3, 0.5, 2.0
+# most steps from sample to sample that the adaptive laws may ask for
+_MOST_STEPS = 2
+# guard L_min, at most this part of l₀; least part of l₀ that is margin
+_L_MIN_PART, _LEAST_MARGIN = 0.25, 0.3
 
 PARAMETERS = {
     "alpha0": Parameter(2 * math.sqrt(2 * _BETA0), "α₀ = 2√(2β₀), printed 2.97", _PAPER),
@@ -137,11 +150,15 @@ def _second_layer(r: ca.SX, growth: ca.SX, p: Symbols) -> ca.SX:
     return no_higher(growth - p.leak * r, r, p.r_max)
 
 
-def conditions(p: Symbols, facts: Symbols) -> list[Condition]:
-    """What theorem [thm_ao], the dual-layer law and the integration step ask of the gains."""
+def corrected() -> Block:
+    """The same with corrected estimates."""
+    return adaptive_sliding_mode(corrected=True)
+
+
+def theorem(p: Symbols, facts: Symbols) -> list[Condition]:
+    """What theorem [thm_ao] and the dual-layer law ask of the gains."""
     positives = ("eta1", "eta2", "l0", "r00", "r01", "r02", "gamma_a0", "gamma_a1", "gamma_a2", "tau_a", "delta_a")
     dead_zones = ("delta00", "delta01", "delta02")
-    fastest = ca.fmax(p.r00, ca.fmax(p.r01, p.r02))
     return [
         above("β₀ > 1", p.beta0, 1),
         equal("α₀ = 2√(2β₀)", p.alpha0, 2 * ca.sqrt(2 * p.beta0)),
@@ -160,11 +177,43 @@ def conditions(p: Symbols, facts: Symbols) -> list[Condition]:
                 (2, "u̇₂", facts.sup_du2, p.alpha_a2),
             )
         ),
-        below("h < 2δ_a/(k + η) (integration)", facts.h, 2 * p.delta_a / (p.k_0 + ca.fmax(p.eta1, p.eta2))),
-        below("h < 2τ_a (integration)", facts.h, 2 * p.tau_a),
-        below("(r₀ + r_max) h/δ_a < 2.78 (integration)", (fastest + p.r_max) * facts.h / p.delta_a, RK4_LIMIT),
     ]
 
 
-# |d|û|/dτ| ≤ q sup|u̇|
-_Q = 1.1
+def rates(p: Symbols) -> Mapping[str, ca.SX]:
+    """Slopes of the injections into x̂₃, x̂₄ and x̂₁, bandwidth of e₁ in its layer, the adaptive laws, the filters."""
+    return {
+        "(k_max + η)/δ_L": (p.k_max + ca.fmax(p.eta1, p.eta2)) / p.delta_L,
+        # α₀√L and β₀L, with L grown
+        f"{_GROWN:g} · {SLOPE:g} α₀√(l₀/δ₁)": _GROWN * SLOPE * p.alpha0 * ca.sqrt(p.l0 / p.delta_1),
+        f"{_GROWN:g} √(β₀l₀/δ₁)": _GROWN * ca.sqrt(p.beta0 * p.l0 / p.delta_1),
+        "(r₀ + r_max)/δ_a": (ca.fmax(p.r00, ca.fmax(p.r01, p.r02)) + p.r_max) / p.delta_a,
+        "1/τ_a": 1 / p.tau_a,
+        **correction_rates(p),
+    }
+
+
+def gains(s: Sizes, T: float) -> dict[str, float]:
+    """The gains for a recording, its layers corrected: docs/gains.md."""
+    common = layers(s, T)
+    beta0, a_dual, eta, r0, L_min = (PARAMETERS[name].default for name in ("beta0", "a_dual", "eta1", "r01", "L_min"))
+    # β₀L = α₁₁ at L = l₀, where L stays under the disturbance seen: l₀ − |Δ|/(aβ₀) − ε_a0 = 0
+    l0 = common.alpha / beta0
+    k_max = max(_LEAST_K, _EPS_A + common.largest)
+    return {
+        "l0": l0,
+        "eps_a0": max(l0 - s.D / (a_dual * beta0), _LEAST_MARGIN * l0),
+        "eps_a1": _EPS_A,
+        "eps_a2": _EPS_A,
+        "tau_a": common.filters,
+        "delta_a": (r0 + _R_MAX) / min(common.rate, _MOST_STEPS * STABLE / T),
+        "delta_1": common.delta,
+        "delta_L": (k_max + eta) / common.rate,
+        "L_min": min(L_min, _L_MIN_PART * l0),
+        "k_max": k_max,
+        "r_max": _R_MAX,
+        "tau_c": common.correction,
+    }
+
+
+ADAPTIVE_SLIDING_MODE = Observer("ASMO", adaptive_sliding_mode, theorem, gains, rates, corrected=corrected)

@@ -21,8 +21,6 @@ FACTS = {
     "sup_du2": "largest |u̇₂| between recorded points of the true run",
 }
 
-# the end of RK4's stability interval on the negative axis
-RK4_LIMIT = 2.78
 # two numbers that are printed equal are equal
 _EQUAL = 1e-6
 

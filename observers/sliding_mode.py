@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import casadi as ca
 
 from ..model.block import Block, Parameter, Symbols, symbols
 from ..model.dialect import root, sg
 from ..model.skeleton import MASS
-from .conditions import Condition, above, below
-from .correction import layers_corrected
+from .conditions import Condition, above
+from .layers import SLOPE, correction_rates, injection, layers, layers_corrected
+from .observer import Observer, Sizes
 from .ports import SENSED, START, estimates, output_errors, start
 
 _PAPER = "paper, §V"
@@ -64,16 +67,49 @@ def sliding_mode(corrected: bool = False) -> Block:
     return layers_corrected(block, v11, e1, e3, e4) if corrected else block
 
 
-def conditions(p: Symbols, facts: Symbols) -> list[Condition]:
-    """What theorem [thm_so] and the integration step ask of the gains."""
+def corrected() -> Block:
+    """The same with corrected estimates."""
+    return sliding_mode(corrected=True)
+
+
+def theorem(p: Symbols, facts: Symbols) -> list[Condition]:
+    """What theorem [thm_so] asks of the gains."""
     margin = p.alpha11 - _F_PLUS
     bound = ca.sqrt(2 / margin) * (p.alpha11 + _F_PLUS) * (1 + _P) / (1 - _P)
-    largest = ca.fmax(p.alpha11, ca.fmax(p.alpha2, p.alpha3))
     return [
         above("α₁₁ > f⁺ [alpha11]", p.alpha11, _F_PLUS),
         above("λ₁₁ > √(2/(α₁₁ − f⁺)) (α₁₁ + f⁺)(1 + p)/(1 − p) [lambda11]", p.lambda11, bound),
         above("α₂ > U₁ₘ [alpha2]", p.alpha2, facts.U_m),
         above("α₃ > U₂ₘ [alpha3]", p.alpha3, facts.U_m),
-        below("h < 2δ_s/α (integration)", facts.h, 2 * p.delta_s / largest),
-        below("h < 2τ_s (integration)", facts.h, 2 * p.tau_s),
     ]
+
+
+def rates(p: Symbols) -> Mapping[str, ca.SX]:
+    """Slopes of v₂, v₃ and v₁₁, bandwidth of e₁ in its layer, the filters."""
+    return {
+        "α/δ_L": ca.fmax(p.alpha2, p.alpha3) / p.delta_L,
+        f"{SLOPE:g} λ₁₁/√δ_s": SLOPE * p.lambda11 / ca.sqrt(p.delta_s),
+        "√(α₁₁/δ_s)": ca.sqrt(p.alpha11 / p.delta_s),
+        "1/τ_s": 1 / p.tau_s,
+        **correction_rates(p),
+    }
+
+
+def gains(s: Sizes, T: float) -> dict[str, float]:
+    """The gains for a recording, its layers corrected: docs/gains.md."""
+    common = layers(s, T)
+    # no smaller than the paper's
+    alpha = max(PARAMETERS["alpha2"].default, common.largest)
+    return {
+        "alpha11": common.alpha,
+        "lambda11": injection(common.alpha),
+        "alpha2": alpha,
+        "alpha3": alpha,
+        "tau_s": common.filters,
+        "delta_s": common.delta,
+        "delta_L": alpha / common.rate,
+        "tau_c": common.correction,
+    }
+
+
+SLIDING_MODE = Observer("SMO", sliding_mode, theorem, gains, rates, corrected=corrected)

@@ -33,12 +33,12 @@ def tendons_of_a_step(stages: int, curves: Curves = NGUYEN2019) -> Block | None:
     """
     near = {muscle: curve.Phi_S_inv_near for muscle, curve in by_muscle(curves).items()}
     u, parameters = symbols(f"{y}.{i}" for i in range(stages) for y in LENGTHS.values()), tendon_parameters(curves)
-    p, found, doubt = symbols(parameters), Symbols(), ca.SX(0)
+    p, lengths, doubt = symbols(parameters), Symbols(), ca.SX(0)
     for muscle, (length, force) in zip(MUSCLES, LENGTHS.items(), strict=True):
         if (inverse := near[muscle]) is None:
             return None
         values, wrong = inverse([u[f"{force}.{i}"] for i in range(stages)], p.part(muscle))
-        found |= {f"{length}.{i}": value for i, value in enumerate(values)}
+        lengths |= {f"{length}.{i}": value for i, value in enumerate(values)}
         doubt = ca.fmax(doubt, wrong)
-    y = found.only(f"{length}.{i}" for i in range(stages) for length in LENGTHS)
+    y = lengths.only(f"{length}.{i}" for i in range(stages) for length in LENGTHS)
     return Block("tendons_of_a_step", u=u, p=p, parameters=parameters, y=Symbols({**y, "doubt": doubt}))

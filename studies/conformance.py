@@ -104,7 +104,7 @@ def _points(whole: Block, function: ca.Function) -> list[Array]:
 def _runs(block: Block) -> Iterator[str]:
     short = {"duration": 0.5, "score.start": 0.1}
     registered = block.name in OBSERVERS
-    beside = simulate("paper-noisy", None if registered else [*OBSERVERS, block], short)
+    beside = simulate("paper-noisy", [*OBSERVERS, *([] if registered else [block])], short)
     alone = simulate("paper-noisy", [block.name if registered else block], short)
     for name in ("x_hat", "u_hat", "a_hat", "Delta_hat"):
         one, other = alone[name].sel(observer=block.name).values, beside[name].sel(observer=block.name).values

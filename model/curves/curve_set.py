@@ -41,6 +41,7 @@ class CurveSet:
     speed: Number = lambda p: 1.0  # largest shortening velocity
     damping: Number | None = None  # b of the force −b u that acts beside Φ_P
     g_inv_damped: Callable[[ca.SX, ca.SX, Symbols], ca.SX] | None = None  # the u with g(u) − βu = z, over (z, β)
+    tables: Mapping[str, Sequence[tuple[float, float]]] | None = None  # the points of curves that a user gave as tables
     # why a tendon's numbers make no curve that rises, or an empty string
     objection: Callable[[Mapping[str, float]], str] = lambda values: ""
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import hashlib
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import casadi as ca
 import numpy as np
@@ -55,7 +55,7 @@ def tabulated(tables: Tables) -> CurveSet:
     pieces = sum(len(one.curve.nodes) - 1 for one in found.values())
     errors = ", ".join(f"{name} {one.error:.1g}" for name, one in found.items())
     fT, fP, fL, fV = (one.curve for one in found.values())
-    return normalised(
+    curve_set = normalised(
         name=f"tables@{hashlib.sha256(repr(tables).encode()).hexdigest()[:12]}",
         sentence=f"{pieces} pieces through {points:,} points of four tables; largest errors: {errors}",
         source="tables of a user",
@@ -69,6 +69,7 @@ def tabulated(tables: Tables) -> CurveSet:
         fV_inv=lambda factor, beta, p: fV.inverse(factor, beta),
         toe_force=fT.nodes[-1].y,
     )
+    return replace(curve_set, tables={name: getattr(tables, name) for name in TABLES})
 
 
 def _fitted(name: str, points: Points) -> Fit:

@@ -9,15 +9,18 @@ from pathlib import Path
 import click
 
 from ..estimate.files import refuse_overwriting, save_estimates
+from ..estimate.run import compile_observers
 from ..estimate.run import estimate as estimated
 from ..estimate.scores import scores
 from ..figures.estimate import save_sheet
 from ..files.quote import escaped
 from ..files.writing import writable_folder
 from ..laboratory.mapping import read_mapping
+from ..laboratory.muscles import read_muscles
 from ..scenarios.layers import Value
 from .options import observer_option, set_option, whole_option
 from .reports.estimate import failures, notes, score_table
+from .reports.number import number
 from .reports.written import written
 from .terminal import bar, complain, print_table
 
@@ -51,22 +54,15 @@ def estimate(
     """
     folder = writable_folder(Path(out))
     refuse_overwriting((recording, muscles), folder)
-    begun = time.monotonic()
-    with bar("following") as progress:
-        dataset = estimated(
-            recording,
-            muscles,
-            observers or None,
-            read_mapping(maps),
-            not uncorrected,
-            changes,
-            every,
-            progress,
-        )
+    pair, mapping = read_muscles(muscles), read_mapping(maps)
+    with bar("reading and following") as progress:
+        compile_observers(pair, observers or None, not uncorrected)
+        begun = time.monotonic()
+        dataset = estimated(recording, pair, observers or None, mapping, not uncorrected, changes, every, progress)
     seconds, samples = time.monotonic() - begun, int(dataset.attrs["samples"])
     for note in notes(dataset):
         click.echo(escaped(note))
-    click.echo(f"read and followed in {seconds:.2g} s, {seconds / samples * 1e6:.2g} µs a sample")
+    click.echo(f"read and followed in {number(seconds)} s, {number(seconds / samples * 1e6)} µs a sample")
     known = scores(dataset)
     if known:
         click.echo()

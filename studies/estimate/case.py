@@ -9,14 +9,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...model.arrays import Array
+from ...observers.observer import Sizes
 from ..laboratory.muscles import MusclePair
 from ..laboratory.recording import Recording
 from ..laboratory.scales import Scales
-from .first_pass import Sizes
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What was asked for: layers `corrected`, gains by hand (path → value), which estimates are kept."""
+
+    corrected: bool
+    changes: Mapping[str, float]
+    keep_every: int
 
 
 @dataclass(frozen=True, eq=False)
-class Followed:
+class Result:
     """One observer's outputs and guards by name, each (n), dimensionless, and how it was run."""
 
     y: Mapping[str, Array]
@@ -27,10 +36,7 @@ class Followed:
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """A recording in the paper's variables: times τ (n), measurements y (n × 3), tendon lengths z (n × 2).
-
-    Of the estimates every so-manieth is kept.
-    """
+    """A recording in the paper's variables: times τ (n), measurements y (n × 3), tendon lengths z (n × 2)."""
 
     recording: Recording
     pair: MusclePair
@@ -40,13 +46,12 @@ class Case:
     z: Array
     gaps: NDArray[np.bool_]
     sizes: Sizes
-    corrected: bool
-    every: int
+    settings: Settings
 
     @property
     def kept(self) -> slice:
-        """The samples whose estimates are kept."""
-        return slice(None, None, self.every)
+        """The samples whose estimates are kept: every n-th."""
+        return slice(None, None, self.settings.keep_every)
 
     @property
     def period(self) -> float:

@@ -9,12 +9,15 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from ...model.arrays import Array
 from ...model.curves import CURVES
+from ...model.skeleton import lengths
 from ...model.symbols import STATES, hat
 from ..files.versions import versions
-from .case import Case, Followed
+from ..laboratory.muscles import muscle_file, muscle_pair
+from .case import Case, Result
 
 _MUSCLES = (1, 2)
 # what a recording may know: name, unit, sentence
@@ -33,7 +36,7 @@ TRUE: Mapping[str, tuple[str, str]] = {
 _PER_MUSCLE = ("force", "tendon_length", "fibre_length", "fibre_velocity", "activation", "excitation")
 
 
-def estimate_dataset(case: Case, results: Mapping[str, Followed], library: str) -> xr.Dataset:
+def estimate_dataset(case: Case, results: Mapping[str, Result], library: str) -> xr.Dataset:
     """Estimates, innovations and limits of each observer, what was measured, and the truth that the file knows."""
     recording, s = case.recording, case.scales
     y, z = case.y[case.kept], case.z[case.kept]
@@ -41,16 +44,18 @@ def estimate_dataset(case: Case, results: Mapping[str, Followed], library: str) 
 
     def stacked(*names: str) -> Array:
         """(observer × time) of one output, (observer × time × muscle) of two."""
-        each = [np.stack([result.y[hat(name)] for name in names], axis=-1) for result in results.values()]
-        return np.stack(each)[..., 0] if len(names) == 1 else np.stack(each)
+        outputs = [np.stack([result.y[hat(name)] for name in names], axis=-1) for result in results.values()]
+        return np.stack(outputs)[..., 0] if len(names) == 1 else np.stack(outputs)
 
-    def limited(quantity: str) -> Array:
-        each = [[result.guards[f"{quantity}{j}_hat_limit"] for j in _MUSCLES] for result in results.values()]
-        return np.array(each).transpose(0, 2, 1).astype(np.int8)
+    def limited(quantity: str) -> NDArray[np.int8]:
+        # an observer that estimates activations itself has no such limit
+        none = np.zeros(len(y))
+        guards = [[r.guards.get(f"{quantity}{j}_hat_limit", none) for j in _MUSCLES] for r in results.values()]
+        return np.array(guards).transpose(0, 2, 1).astype(np.int8)
 
     x1, L_S = stacked("x1"), stacked(*STATES[2:])
-    # L_C1 = x₁ − x₃,  L_C2 = C − x₁ − x₄
-    L_m = np.stack([x1, s.numbers["plant.C"] - x1], axis=-1)
+    # L_C = L_m − L_S
+    L_m = np.stack(lengths(x1, s.numbers["plant.C"]), axis=-1)
     data: dict[str, tuple[tuple[str, ...], np.ndarray[Any, Any], dict[str, str]]] = {
         "position": (("time",), s.metres(y[:, 0]), _about("m", "measured position")),
         "force": (("time", "muscle"), y[:, 1:] * s.force, _about("N", "measured tendon forces")),
@@ -83,6 +88,8 @@ def estimate_dataset(case: Case, results: Mapping[str, Followed], library: str) 
             case.gaps[case.kept].astype(np.int8),
             _about("1", "1 where a gap of the recording was bridged"),
         ),
+        # no attribute: the tables of a user's curves are longer than these may be
+        "muscle_file": ((), np.array(json.dumps(muscle_file(case.pair))), {"long_name": "the muscles in SI, as JSON"}),
     }
     for name, (unit, sentence) in TRUE.items():
         columns = [f"{name}_{j}" for j in _MUSCLES] if name in _PER_MUSCLE else [name]
@@ -102,20 +109,26 @@ def _about(unit: str, sentence: str) -> dict[str, str]:
     return {"long_name": sentence, "units": unit}
 
 
-def _manifest(case: Case, results: Mapping[str, Followed], library: str) -> dict[str, str]:
-    """What the estimates can be repeated from; everything as text, for NetCDF."""
+def arguments(dataset: xr.Dataset) -> dict[str, Any]:
+    """What `estimate` needs beside the recording to repeat a result, by the names of its arguments."""
+    muscles = muscle_pair(json.loads(str(dataset.muscle_file.values)))
+    return {"muscles": muscles, "observers": dataset.observer.values.tolist(), **json.loads(dataset.attrs["settings"])}
+
+
+def _manifest(case: Case, results: Mapping[str, Result], library: str) -> dict[str, str]:
+    """How the estimates were made; everything as text, for NetCDF."""
     recording = case.recording
-    sets = [muscle.curves for muscle in (case.pair.muscle1, case.pair.muscle2)]
+    curves = [muscle.curves for muscle in (case.pair.muscle1, case.pair.muscle2)]
     # how closely a user's tables are followed
-    tables = {f"{curves.name}: {curves.sentence}": None for curves in sets if curves.name not in CURVES}
+    tables = {f"{curve_set.name}: {curve_set.sentence}": None for curve_set in curves if curve_set.name not in CURVES}
     return {
         "Conventions": "CF-1.11",
         "title": f"hillobs: estimates from {recording.source}",
         "source": recording.source,
         "notes": json.dumps([*recording.notes(), *tables]),
-        "muscles": case.pair.description,
+        "settings": json.dumps({"mapping": dict(recording.mapping), **dataclasses.asdict(case.settings)}),
         "numbers": json.dumps(dict(case.scales.numbers)),
-        "curves": json.dumps([curves.name for curves in sets]),
+        "curves": json.dumps([curve_set.name for curve_set in curves]),
         "sizes": json.dumps(dataclasses.asdict(case.sizes)),
         "gains": json.dumps({name: dict(result.gains) for name, result in results.items()}),
         "substeps": json.dumps({name: result.substeps for name, result in results.items()}),
@@ -123,8 +136,6 @@ def _manifest(case: Case, results: Mapping[str, Followed], library: str) -> dict
         "longest_step": repr(float(np.diff(recording.time).max())),
         "duration": repr(float(recording.time[-1] - recording.time[0])),
         "samples": str(len(case.tau)),
-        "every": str(case.every),
-        "corrected": json.dumps(case.corrected),
         "library": library,
         "versions": json.dumps(versions()),
     }

@@ -8,7 +8,7 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Callable
-from dataclasses import astuple, dataclass, fields
+from dataclasses import asdict, astuple, fields
 
 import casadi as ca
 import numpy as np
@@ -17,7 +17,8 @@ from ...codegen.bank import Bank
 from ...codegen.filters import CompiledBank
 from ...model.arrays import Array
 from ...model.block import Block, Symbols, symbols
-from ...observers.high_gain import high_gain
+from ...observers.high_gain import HIGH_GAIN
+from ...observers.observer import Sizes
 from .noise import Noise, despiked, noise
 from .substeps import substeps
 from .timescales import smoothed, time_scale, twice_integrated
@@ -28,7 +29,7 @@ _C1, _CL, _CL3 = 0.35, 0.27, 0.35
 _FASTEST = 0.7
 # largest ε: nothing is slower than the muscle itself, and a late disturbance must still be followed
 _SLOWEST_1, _SLOWEST_L = 0.5, 0.3
-# Δ̂ and û are judged after so many ε, at most this part of the samples later
+# Δ̂ and û are judged after this many ε, but no later than this part of the samples
 _SETTLED, _PART = 10.0, 4
 # the largest value is the one that this share does not exceed
 _SHARE = 0.995
@@ -38,26 +39,10 @@ _LEAST = 0.02
 _PASSED = 3 / 16
 # the acceleration, whose noise is not measured, is wild beyond 8 · 2 % of its range
 _SPREAD = 0.02
-# long recordings: so many blocks of so many samples
+# of a long recording: number of blocks that are looked at, and samples of each
 _BLOCKS, _BLOCK = 10, 10_000
 # statistics of fewer samples are none
 _FEW = 50
-
-
-@dataclass(frozen=True)
-class Sizes:
-    """What the gains of all observers follow from; lengths, forces and times in the paper's units."""
-
-    sigma_1: float  # noise of y₁
-    sigma_L1: float  # noise of the measured tendon lengths
-    sigma_L2: float
-    eps_1: float  # ε of the chain of x̂₁
-    eps_L: float  # ε of the chains of x̂₃ and x̂₄, of order 2
-    eps_L3: float  # the same, of order 3
-    D: float  # Δ_Φ, root mean square
-    D_max: float
-    U: float  # u₁ and u₂, root mean square
-    U_max: float
 
 
 # of a recording too short for statistics
@@ -75,7 +60,7 @@ def first_pass(y1: Array, z1: Array, z2: Array, acc: Array, T: float) -> Sizes:
     n = signals.shape[1]
     if n < _FEW:
         least = {name: max(getattr(_SHORT, name), _FASTEST * T) for name in ("eps_1", "eps_L", "eps_L3")}
-        return Sizes(**{**_SHORT.__dict__, **least})
+        return Sizes(**{**asdict(_SHORT), **least})
     if n <= _BLOCKS * _BLOCK:
         return _sizes(signals, T)
     starts = np.linspace(0, n - _BLOCK, _BLOCKS).astype(int)
@@ -107,18 +92,17 @@ def _sizes(signals: Array, T: float) -> Sizes:
 
 def _inputs(signals: Array, T: float, eps_1: float, eps_L: float, noise_1: Noise) -> tuple[float, float, float, float]:
     """D, D_max, U, U_max as the high gain observer sees them."""
-    gains = {"high_gain.eps_h": eps_1, "high_gain.eps_L": eps_L}
-    compiled = _compiled()
+    compiled = compile_first_pass()
     block = compiled.bank.observers[0]
-    start = dict(zip(("x1_hat", "x3_hat", "x4_hat"), signals[:3, 0], strict=True))
+    numbers = {name: parameter.default for name, parameter in block.parameters.items()}
     # forces of a mass of 1
-    given = {"m": 1.0, "initial.x2_hat": 0.0, **{f"initial.{name}": value for name, value in start.items()}}
-    given |= {path.partition(".")[2]: value for path, value in gains.items()}
-    numbers = [given.get(name, parameter.default) for name, parameter in block.parameters.items()]
+    numbers |= {"eps_h": eps_1, "eps_L": eps_L, "m": 1.0, "initial.x2_hat": 0.0}
+    numbers |= {f"initial.x{i}_hat": float(value) for i, value in zip((1, 3, 4), signals[:3, 0], strict=True)}
     n = signals.shape[1]
     times: Array = np.arange(n, dtype=float) * T
-    found = compiled.follow(block.name, numbers, substeps(block.name, gains, T)).samples(times, signals.T).y
-    settled = found[min(math.ceil(_SETTLED * max(eps_1, eps_L) / T), n // _PART) :]
+    steps = substeps(HIGH_GAIN, block, numbers, {}, T)
+    estimates = compiled.follow(block.name, list(numbers.values()), steps).samples(times, signals.T).y
+    settled = estimates[min(math.ceil(_SETTLED * max(eps_1, eps_L) / T), n // _PART) :]
     Delta = settled[:, list(block.y).index("Delta_hat")]
     u = settled[:, [list(block.y).index(name) for name in ("u1_hat", "u2_hat")]]
     # D² = mean Δ̂² − 3/16 σ₁² n_c T/ε₁⁵
@@ -131,11 +115,11 @@ def _inputs(signals: Array, T: float, eps_1: float, eps_L: float, noise_1: Noise
 
 
 @functools.cache
-def _compiled() -> CompiledBank:
+def compile_first_pass() -> CompiledBank:
     """The high gain observer, told tendon lengths and accelerations instead of forces."""
     u = symbols("z1 z2 acc")
     front = Block("measured", u=u, y=Symbols(y2=ca.SX(0), y3=u.acc, L_S1=u.z1, L_S2=u.z2))
-    return CompiledBank(Bank(("y1", "z1", "z2", "acc"), front, None, (high_gain(),)))
+    return CompiledBank(Bank(("y1", "z1", "z2", "acc"), front, None, (HIGH_GAIN.build(),)))
 
 
 def _merged(blocks: list[Sizes]) -> Sizes:

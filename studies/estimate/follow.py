@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,9 +15,10 @@ from ...model.arrays import Array
 from ...model.block import Block, Symbols, symbols
 from ...model.curves import Curves, tendon_parameters
 from ...model.symbols import MEASURED
-from ...observers import FOLLOWERS, estimator
+from ...observers import OBSERVERS, Observer, estimator
 from ...observers.tendons import LENGTHS, tendons, tendons_of_a_step
-from ..laboratory.muscles import MusclePair
+from ..files.errors import ScenarioError
+from ..files.quote import shown
 
 # samples between two words of progress
 _CHUNK = 65_536
@@ -26,23 +27,41 @@ _JITTER = 0.05
 _LENGTHS = "lengths"
 
 
-def curves_of(pair: MusclePair) -> Curves:
-    """The curve sets of a pair."""
-    first, second = pair.muscle1.curves, pair.muscle2.curves
-    return first if first is second else (first, second)
+def observers_named(names: Sequence[str | Block]) -> dict[str, Observer]:
+    """Registered observers and a user's own Blocks, by name. ScenarioError for one that cannot follow a recording."""
+    chosen: dict[str, Observer] = {}
+    for each in names:
+        if isinstance(each, Block):
+            if chosen.setdefault(each.name, _users_own(each)) is not _users_own(each):
+                raise ScenarioError(f"two observers are called {each.name!r}; give one another name")
+        elif each in OBSERVERS:
+            chosen[each] = OBSERVERS[each]
+        else:
+            raise ScenarioError(f"unknown observer {shown(each)}; there are {', '.join(OBSERVERS)}")
+    return chosen
+
+
+# one Observer a Block, so that its compiled bank is found again
+@functools.lru_cache(maxsize=64)
+def _users_own(block: Block) -> Observer:
+    if block.name in OBSERVERS:
+        raise ScenarioError(f"the name {block.name!r} is taken; give your observer another one")
+    if block.per_step:
+        raise ScenarioError(f"{block.name} moves at the points of a time grid, and a recording has none")
+    return Observer(block.name, lambda: block)
 
 
 @functools.lru_cache(maxsize=8)
-def follower_bank(curves: Curves, corrected: bool) -> Bank:
-    """All observers of recordings, and one that only tells the tendon lengths."""
-    own = [estimator(build(corrected), curves) for build in FOLLOWERS.values()]
-    return Bank(MEASURED, tendons(curves), tendons_of_a_step(STAGES, curves), (_lengths(curves), *own))
+def follower_bank(curves: Curves, corrected: bool, observers: tuple[Observer, ...]) -> Bank:
+    """All these observers, and first one that only tells the tendon lengths."""
+    blocks = [estimator(observer.block(corrected), curves) for observer in observers]
+    return Bank(MEASURED, tendons(curves), tendons_of_a_step(STAGES, curves), (_lengths(curves), *blocks))
 
 
 @functools.lru_cache(maxsize=8)
-def compiled_bank(curves: Curves, corrected: bool) -> CompiledBank:
-    """The same as machine code."""
-    return CompiledBank(follower_bank(curves, corrected))
+def compiled_bank(bank: Bank) -> CompiledBank:
+    """The bank as machine code."""
+    return CompiledBank(bank)
 
 
 def tendon_lengths(compiled: CompiledBank, numbers: Array, y: Array) -> Array:
@@ -63,21 +82,21 @@ def followed(
     filter_ = compiled.follow(observer, numbers, substeps)
     for start in range(0, len(t), _CHUNK):
         piece, before = slice(start, start + _CHUNK), slice(max(0, start - 1), start + _CHUNK)
-        times, values, own = _filled(t[before], y[before], period)
+        times, values, places = _filled(t[before], y[before], period)
         new = min(start, 1)  # the last sample of the piece before has been seen
-        found = filter_.samples(times[new:], values[new:])
-        own = own[new:] - new
-        yield piece, found.y[own], found.guards[own]
+        passed = filter_.samples(times[new:], values[new:])
+        places = places[new:] - new
+        yield piece, passed.y[places], passed.guards[places]
 
 
 def _filled(t: Array, y: Array, period: float) -> tuple[Array, Array, NDArray[np.int64]]:
-    """Samples with further ones in straight lines wherever a step is longer than usual, and the places of their own."""
+    """Samples with further ones in straight lines wherever a step is longer than usual, and the places of the given."""
     parts = np.maximum(np.ceil(np.diff(t) / period - _JITTER), 1)
-    own = np.concatenate([[0], np.cumsum(parts)]).astype(np.int64)
-    if own[-1] == len(t) - 1:
-        return t, y, own
-    every = np.arange(own[-1] + 1)
-    return np.interp(every, own, t), np.stack([np.interp(every, own, column) for column in y.T], axis=1), own
+    places = np.concatenate([[0], np.cumsum(parts)]).astype(np.int64)
+    if places[-1] == len(t) - 1:
+        return t, y, places
+    n = np.arange(places[-1] + 1)
+    return np.interp(n, places, t), np.stack([np.interp(n, places, column) for column in y.T], axis=1), places
 
 
 def _lengths(curves: Curves) -> Block:

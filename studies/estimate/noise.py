@@ -1,4 +1,4 @@
-"""How noisy a recorded signal is, over how many samples its noise hangs together, and which samples are wild.
+"""How noisy a recorded signal is, over how many samples its noise is correlated, and which samples are wild.
 
 The constants and what they were measured on: docs/gains.md.
 """
@@ -14,13 +14,13 @@ from ...model.arrays import Array
 
 # differences of this order leave nothing of a smooth signal at the distance of samples
 _ORDER = 5
-# a lag at which noise still hangs together is shorter, in τ, and leaves this part of the samples to look at
+# longest lag, in τ, over which noise may be correlated; the part of the samples that must be left to look at
 _LONGEST, _PART = 0.15, 4
 # white noise gives the same at each lag, a smooth signal 2⁵ times as much at the double lag
 _LEVEL = 1.5
 # standard deviation over median of the absolute value, of a normal distribution
 _NORMAL = 1.4826
-# a signal was rounded if so many neighbours are equal; steps below this part of its size are none
+# part of neighbours that are equal if a signal was rounded; steps below this part of its size are none
 _EQUAL, _NO_STEP = 0.1, 1e-12
 # a wild sample lies so far off the median of its neighbourhood, in σ and in parts of the range; more are no accident
 _SAMPLES, _SIGMAS, _RANGE, _MOST = 5, 8.0, 0.002, 0.02
@@ -28,7 +28,7 @@ _SAMPLES, _SIGMAS, _RANGE, _MOST = 5, 8.0, 0.002, 0.02
 
 @dataclass(frozen=True)
 class Noise:
-    """Standard deviation of a signal's noise, and how many samples it hangs together (1 if white)."""
+    """Standard deviation of a signal's noise, and over how many samples it is correlated (1 if white)."""
 
     sigma: float
     correlation: int = 1
@@ -43,7 +43,7 @@ def noise(signal: Array, T: float) -> Noise:
     """The noise of equidistant samples, T apart.
 
     A hardware filter makes noise smooth from sample to sample; then the estimate grows with the lag, until that is
-    longer than the noise hangs together. Without noise it never stops growing, and lag 1 counts.
+    longer than the noise is correlated. Without noise it never stops growing, and lag 1 counts.
     """
     floor = _quantum(signal) / math.sqrt(12)
     first = before = _spread(signal, 1)

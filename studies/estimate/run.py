@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
 
+from ...codegen.bank import Bank
 from ...codegen.filters import CompiledBank
 from ...model.arrays import Array
-from ...model.symbols import hat
-from ...observers import FOLLOWERS
+from ...model.block import Block
+from ...model.skeleton import pull
+from ...model.symbols import MEASURED, hat
+from ...observers import OBSERVERS, PAPER, Observer
+from ...observers.tendons import LENGTHS
 from ..files.errors import RecordingError, ScenarioError
 from ..files.progress import Progress, unseen
 from ..files.quote import shown
@@ -22,76 +26,111 @@ from ..laboratory.scales import scales
 from ..scenarios.layers import Value
 from ..scenarios.paths import Table, table
 from ..scenarios.scenario import checked_number
-from .case import Case, Followed
+from .case import Case, Result, Settings
 from .dataset import estimate_dataset
-from .first_pass import first_pass
-from .follow import compiled_bank, curves_of, followed, lengths_block, tendon_lengths
-from .gains import gains
+from .first_pass import compile_first_pass, first_pass
+from .follow import compiled_bank, followed, follower_bank, lengths_block, observers_named, tendon_lengths
 from .substeps import substeps
 
 # periods of the muscles' own time 1/v_max between samples beyond which nothing can be followed
 _LONGEST_PERIOD = 0.7
 # estimates of a sample; 100 million numbers are 1 GB
 _NUMBERS, _MOST_NUMBERS = 20, 100_000_000
-DEFAULT_OBSERVERS = ("high_gain", "sliding_mode", "adaptive_sliding_mode")
+
+Observers = Sequence[str | Block] | str | Block | None
 
 
 def estimate(
     recording: str | Path | Recording,
     muscles: str | Path | MusclePair,
-    observers: Sequence[str] | str | None = None,
+    observers: Observers = None,
     mapping: Mapping[str, str] | None = None,
     corrected: bool = True,
     changes: Mapping[str, Value] | None = None,
-    every: int = 1,
-    progress: Progress = unseen,
+    keep_every: int = 1,
+    progress: Progress | None = None,
 ) -> xr.Dataset:
     """Follow a recording with observers and return velocities, lengths, activations and disturbance in SI.
 
     recording: CSV, .sto or .mot, also gzipped, with time, position, force_1, force_2; or one that was read.
-    muscles: a muscle file, or one that was read. observers: names of FOLLOWERS; the paper's three by default.
-    mapping: name → column of the file, `column[unit]`. corrected: the sliding mode observers' layers are corrected.
-    changes: gains by hand, path → value, such as {"high_gain.eps_h": 0.05}; all others follow the rule, docs/gains.md.
-    every: keep the estimates of every so-manieth sample; the observers see all.
+    muscles: a muscle file, or one that was read. observers: registered names, or Blocks of your own, which have their
+    own numbers, known to no rule; the paper's three by default. mapping: name → column of the file, `column[unit]`.
+    corrected: the sliding mode observers' layers are corrected. changes: gains by hand, path → value, such as
+    {"high_gain.eps_h": 0.05}; all others follow the rule, docs/gains.md. keep_every: keep every n-th estimate; the
+    observers see all samples. progress: given the part that is done, of reading and of each observer.
     The Dataset has the dimensions time, observer, muscle. RecordingError, ScenarioError for what is wrong with the
     files, BuildError if nothing can be compiled.
     """
-    chosen = [observers] if isinstance(observers, str) else list(dict.fromkeys(observers or DEFAULT_OBSERVERS))
-    for name in chosen:
-        if name not in FOLLOWERS:
-            raise ScenarioError(f"unknown observer {shown(name)}; there are {', '.join(FOLLOWERS)}")
+    chosen = _chosen(observers)
     pair = muscles if isinstance(muscles, MusclePair) else read_muscles(muscles)
-    read = recording if isinstance(recording, Recording) else read_recording(recording, mapping)
-    compiled = compiled_bank(curves_of(pair), corrected)
-    numbers = table(compiled.bank.observers)
-    by_hand = _checked(changes or {}, numbers, chosen)
-    _check_size(len(read), every, len(chosen))
-    case = _case(read, pair, compiled, numbers, corrected, every)
-    results = {}
-    for i, name in enumerate(chosen):
-
-        def share(done: float, before: int = i) -> None:
-            progress((before + done) / len(chosen))
-
-        results[name] = _follow(case, compiled, numbers, name, by_hand, share)
+    bank = _bank(pair, corrected, chosen)
+    _refuse_taken(chosen, bank)
+    paths = table(bank.observers)
+    settings = _settings(corrected, changes or {}, keep_every, paths, chosen)
+    if isinstance(recording, Recording):
+        shares, read = _shares(progress or unseen, len(chosen)), recording
+    else:
+        shares = _shares(progress or unseen, 1 + len(chosen))
+        read = read_recording(recording, mapping, next(shares))
+    _check_size(len(read), keep_every, len(chosen))
+    compiled = compiled_bank(bank)
+    case = _case(read, pair, compiled, paths, settings)
+    results = {name: _follow(case, compiled, paths, name, chosen[name], next(shares)) for name in chosen}
     return estimate_dataset(case, results, str(compiled.path.stem))
 
 
-def _checked(changes: Mapping[str, Value], every: Table, chosen: Sequence[str]) -> dict[str, float]:
+def compile_observers(muscles: MusclePair, observers: Observers = None, corrected: bool = True) -> None:
+    """Compile what `estimate` needs for these, or load it from the cache: once, and then estimates begin at once."""
+    compile_first_pass()
+    compiled_bank(_bank(muscles, corrected, _chosen(observers)))
+
+
+def _chosen(observers: Observers) -> dict[str, Observer]:
+    return observers_named([observers] if isinstance(observers, str | Block) else observers or PAPER)
+
+
+def _bank(pair: MusclePair, corrected: bool, chosen: Mapping[str, Observer]) -> Bank:
+    """All registered observers, so that one library has any choice of them, and a user's own."""
+    return follower_bank(pair.curves, corrected, tuple({**OBSERVERS, **chosen}.values()))
+
+
+def _refuse_taken(chosen: Mapping[str, Observer], bank: Bank) -> None:
+    """ScenarioError if a user's own observer has a name that paths or other Blocks have."""
+    names = [block.name for block in bank.exported]
+    others = [block for block in bank.observers if block.name in OBSERVERS]
+    shared = {parameter.shared.partition(".")[0] for block in others for parameter in block.parameters.values()}
+    for name in chosen:
+        if name not in OBSERVERS and (name in shared or names.count(name) > 1):
+            raise ScenarioError(f"the name {name!r} is taken; give your observer another one")
+
+
+def _settings(
+    corrected: bool, changes: Mapping[str, Value], keep_every: int, paths: Table, chosen: Mapping[str, Observer]
+) -> Settings:
+    """What was asked for, checked before anything is read. ScenarioError says what is wrong."""
+    if keep_every < 1:
+        raise ScenarioError(f"keep_every must be at least 1, not {keep_every}")
     given: dict[str, float] = {}
     for path, value in changes.items():
         if path.partition(".")[0] not in chosen:
             raise ScenarioError(
                 f"{shown(path)} is no gain of {', '.join(chosen)}; the muscle file has all other numbers"
             )
-        given |= {member: checked_number(member, value, every) for member in every.expand(path)}
-    return given
+        given |= {member: checked_number(member, value, paths) for member in paths.expand(path)}
+    return Settings(corrected, given, keep_every)
 
 
-def _check_size(samples: int, every: int, observers: int) -> None:
-    if every < 1:
-        raise ScenarioError(f"every must be at least 1, not {every}")
-    if (size := samples // every * observers * _NUMBERS) > _MOST_NUMBERS:
+def _shares(progress: Progress, parts: int) -> Iterator[Progress]:
+    """A progress for each of some parts of equal length, one after the other."""
+
+    def share(part: int) -> Progress:
+        return lambda done: progress((part + done) / parts)
+
+    return map(share, range(parts))
+
+
+def _check_size(samples: int, keep_every: int, observers: int) -> None:
+    if (size := samples // keep_every * observers * _NUMBERS) > _MOST_NUMBERS:
         least = -(-samples * observers * _NUMBERS // _MOST_NUMBERS)
         raise ScenarioError(
             f"{samples:,} samples make {size:,} estimates, more than memory should hold; "
@@ -99,7 +138,7 @@ def _check_size(samples: int, every: int, observers: int) -> None:
         )
 
 
-def _case(read: Recording, pair: MusclePair, compiled: CompiledBank, every: Table, corrected: bool, kept: int) -> Case:
+def _case(read: Recording, pair: MusclePair, compiled: CompiledBank, paths: Table, settings: Settings) -> Case:
     if len(read) < 2:
         raise RecordingError(f"{read.source}: has one row of numbers; observers need two or more")
     refuse_impossible(read, pair)
@@ -114,31 +153,31 @@ def _case(read: Recording, pair: MusclePair, compiled: CompiledBank, every: Tabl
             f"at most {_LONGEST_PERIOD / s.rate:.3g} s; is time in another unit?"
         )
     refuse_long_steps(read)
-    z = tendon_lengths(compiled, np.array(every.values(lengths_block(compiled.bank), s.numbers)), y)
-    # acc = (y₃ − y₂)/m
-    sizes = first_pass(y[:, 0], z[:, 0], z[:, 1], (y[:, 2] - y[:, 1]) / s.numbers["plant.m"], period)
-    return Case(read, pair, s, tau, y, z, gaps, sizes, corrected, kept)
+    z = tendon_lengths(compiled, np.array(paths.values(lengths_block(compiled.bank), s.numbers)), y)
+    # acc = R F/m
+    sizes = first_pass(y[:, 0], z[:, 0], z[:, 1], pull(y[:, 1:].T) / s.numbers["plant.m"], period)
+    return Case(read, pair, s, tau, y, z, gaps, sizes, settings)
 
 
 def _follow(
-    case: Case, compiled: CompiledBank, every: Table, name: str, by_hand: Mapping[str, float], progress: Progress
-) -> Followed:
+    case: Case, compiled: CompiledBank, paths: Table, name: str, observer: Observer, progress: Progress
+) -> Result:
     block = next(block for block in compiled.bank.observers if block.name == name)
-    own = {path: value for path, value in by_hand.items() if path.partition(".")[0] == name}
-    chosen = {**gains(name, case.sizes, case.period), **own}
+    rule = {f"{name}.{gain}": value for gain, value in observer.gains(case.sizes, case.period).items()}
+    by_hand = {path: value for path, value in case.settings.changes.items() if path.partition(".")[0] == name}
     # an observer that is not corrected has no use for some
-    chosen = {path: value for path, value in chosen.items() if path.partition(".")[2] in block.p}
-    steps = substeps(name, chosen, case.period)
-    given = {**case.scales.numbers, **chosen, **_start(case)}
-    numbers = np.array(every.values(block, given))
+    gains = {path: value for path, value in {**rule, **by_hand}.items() if path.partition(".")[2] in block.p}
+    numbers = paths.values(block, {**case.scales.numbers, **gains, **_start(case)})
+    first = {"t": 0.0, **dict(zip((*MEASURED, *LENGTHS), [*case.y[0], *case.z[0]], strict=True))}
+    steps = substeps(observer, block, dict(zip(block.p, numbers, strict=True)), first, case.period)
     kept = len(range(len(case.tau))[case.kept])
     y, guards, place = np.empty((kept, len(block.y))), np.empty((kept, len(block.guards))), 0
-    for piece, outputs, active in followed(compiled, name, numbers, steps, case.period, case.tau, case.y):
-        wanted = slice(-piece.start % case.every, None, case.every)
-        here = slice(place, place + len(outputs[wanted]))
-        y[here], guards[here], place = outputs[wanted], active[wanted], here.stop
+    for piece, outputs, active in followed(compiled, name, np.array(numbers), steps, case.period, case.tau, case.y):
+        chosen = slice(-piece.start % case.settings.keep_every, None, case.settings.keep_every)
+        here = slice(place, place + len(outputs[chosen]))
+        y[here], guards[here], place = outputs[chosen], active[chosen], here.stop
         progress(min(piece.stop, len(case.tau)) / len(case.tau))
-    return Followed(_named(block.y, y), _named(block.guards, guards), chosen, steps)
+    return Result(_named(block.y, y), _named(block.guards, guards), gains, steps)
 
 
 def _start(case: Case) -> dict[str, float]:

@@ -10,10 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-# seconds from the first sample on in which observers find in
+# seconds from the first sample on in which observers settle
 SETTLED = 1.0
 SCORED = ("position", "velocity", "disturbance", "tendon_length", "fibre_length", "fibre_velocity", "activation")
 BOTH = "both"
+HEADER = ("observer", "quantity", "muscle", "unit", "rmse", "peak")
 
 
 @dataclass(frozen=True)
@@ -33,12 +34,12 @@ def scores(dataset: xr.Dataset) -> list[Score]:
     return list(_scores(dataset.sel(time=slice(float(dataset.time[0]) + SETTLED, None))))
 
 
-def scores_csv(found: list[Score]) -> str:
+def scores_csv(scores: list[Score]) -> str:
     """A row per score."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(["observer", "quantity", "muscle", "unit", "rmse", "peak"])
-    for score in found:
+    writer.writerow(HEADER)
+    for score in scores:
         writer.writerow([score.observer, score.quantity, score.muscle, score.unit, repr(score.rmse), repr(score.peak)])
     return text.getvalue()
 

@@ -5,105 +5,65 @@ The constants and what they were measured on: docs/gains.md.
 
 from __future__ import annotations
 
-import functools
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Mapping
 
-from ...model.block import Parameters
-from ...observers import FOLLOWERS
+import casadi as ca
+import numpy as np
+
+from ...model.arrays import Array
+from ...model.block import Block, Symbols
+from ...observers import Observer
+from ...observers.observer import Rates
 from ..files.errors import ScenarioError
-from ..files.quote import shown
 
-# RK4 is stable up to 2.78 on the real axis; 10 % margin
-STABLE = 2.5
-# step of the high gain observer in ε; near 1, still stable, RK4 alone makes an error that noise-free data show
-ACCURATE = 0.75
 # more means that the gains belong to other data
 _MOST = 1000
 # decimal fractions as doubles
 _ROUNDING = 1e-9
-# largest slope of |e|^½ e/(δ + |e|), times √δ
-_SLOPE = 0.55
-# L may grow to 2.25 l₀ while it is followed
-_GROWN = 1.5
-
-# the number of a name
-_Values = Callable[[str], float]
 
 
-def substeps(observer: str, gains: Mapping[str, float], T: float) -> int:
-    """RK4 steps in a sampling period T with these gains (path → value), given by the rule or by hand.
+def substeps(
+    observer: Observer, block: Block, numbers: Mapping[str, float], start: Mapping[str, float], T: float
+) -> int:
+    """RK4 steps in a sampling period T of `block`, which `observer` has built, with these numbers (name → value).
 
-    What is not given has its default. ScenarioError if no reasonable number of steps will do.
+    start: inputs at the first sample, for an observer that does not tell its rates; then the eigenvalues of ∂ẋ/∂x there
+    count. ScenarioError if no reasonable number of steps will do.
     """
-    if observer not in _RATES:
-        raise ScenarioError(f"there is no substep rule for {shown(observer)}, only for {', '.join(_RATES)}")
-    about = _about(observer)
-
-    def value(name: str) -> float:
-        shared = gains.get(about[name].shared, about[name].default)
-        found = gains.get(f"{observer}.{name}", shared)
-        if name.startswith("delta") and found <= 0:
-            raise ScenarioError(f"{observer}.{name} = {found:g} has no fastest rate; a recording needs a layer above 0")
-        return found
-
-    rates, step = _RATES[observer]
-    n = T * max(rates(value)) / step
-    if n > _MOST:
+    fastest = _fastest(block, observer.rates, numbers) if observer.rates else _spectral_radius(block, numbers, start)
+    n = T * fastest / observer.limit
+    if not n <= _MOST:
         raise ScenarioError(
-            f"the gains of {observer} are too fast for samples {T:.3g} apart: they ask for {n:.3g} steps in between, "
+            f"the gains of {block.name} are too fast for samples {T:.3g} apart: they ask for {n:.3g} steps in between, "
             f"{_MOST} at most"
         )
     return max(1, math.ceil(n - _ROUNDING))
 
 
-@functools.cache
-def _about(observer: str) -> Parameters:
-    return FOLLOWERS[observer](True).parameters
+def _fastest(block: Block, rates: Rates, numbers: Mapping[str, float]) -> float:
+    expressions = ca.vertcat(*rates(block.p).values())
+    values = _numeric(expressions, block.p, numbers)[:, 0]
+    if not np.isfinite(values).all():
+        wrong = expressions[int(np.argmin(np.isfinite(values)))]
+        zeros = [f"{block.name}.{name}" for name, p in block.p.items() if not numbers[name] and ca.depends_on(wrong, p)]
+        if zeros:
+            raise ScenarioError(f"{' and '.join(zeros)} = 0 has no fastest rate; a recording needs a layer above 0")
+    return float(values.max())
 
 
-def _pole(value: _Values, eps: str, gains: Sequence[str]) -> float:
-    """1/ε for binomial gains; for others the rate of a multiple pole that has as much of one of their coefficients."""
-    k = len(gains)
-    # (s + 1)ᵏ has the coefficients C(k, i)
-    return max(math.pow(abs(value(h)) / math.comb(k, i), 1 / i) for i, h in enumerate(gains, 1)) / value(eps)
+def _spectral_radius(block: Block, numbers: Mapping[str, float], start: Mapping[str, float]) -> float:
+    """The largest eigenvalue of ∂ẋ/∂x at the start; NaN if that is not finite there."""
+    x0 = [block.x0.get(name, ca.SX(0)) for name in block.x]
+    there = ca.substitute(
+        ca.jacobian(block.dx.vector(), block.x.only(block.dx).vector()), block.x.vector(), ca.vertcat(*x0)
+    )
+    A = _numeric(there, Symbols({**block.p, **block.u}), {**numbers, **start})
+    if not A.size:
+        return 0.0
+    return float(np.abs(np.linalg.eigvals(A)).max()) if np.isfinite(A).all() else math.nan
 
 
-def _high_gain(value: _Values) -> Iterator[float]:
-    yield _pole(value, "eps_h", ("h11", "h12", "h13"))
-    yield _pole(value, "eps_L", ("h21", "h22"))
-    yield _pole(value, "eps_L", ("h31", "h32"))
-
-
-def _high_gain_3(value: _Values) -> Iterator[float]:
-    yield _pole(value, "eps_h", ("h11", "h12", "h13"))
-    yield _pole(value, "eps_L", ("h21", "h22", "h23"))
-    yield _pole(value, "eps_L", ("h31", "h32", "h33"))
-
-
-def _sliding_mode(value: _Values) -> Iterator[float]:
-    # slopes of v₂, v₃ and v₁₁; bandwidth √(α₁₁/δ_s)
-    yield max(value("alpha2"), value("alpha3")) / value("delta_L")
-    yield _SLOPE * value("lambda11") / math.sqrt(value("delta_s"))
-    yield math.sqrt(value("alpha11") / value("delta_s"))
-    yield 1 / value("tau_s")
-    yield 1 / value("tau_c")
-
-
-def _adaptive_sliding_mode(value: _Values) -> Iterator[float]:
-    yield (value("k_max") + max(value("eta1"), value("eta2"))) / value("delta_L")
-    # α₀√L and β₀L, with L grown
-    yield _GROWN * _SLOPE * value("alpha0") * math.sqrt(value("l0") / value("delta_1"))
-    yield _GROWN * math.sqrt(value("beta0") * value("l0") / value("delta_1"))
-    yield (max(value("r00"), value("r01"), value("r02")) + value("r_max")) / value("delta_a")
-    yield 1 / value("tau_a")
-    yield 1 / value("tau_c")
-
-
-# rates of an observer; its step in them
-_RATES: Mapping[str, tuple[Callable[[_Values], Iterator[float]], float]] = {
-    "high_gain": (_high_gain, ACCURATE),
-    "high_gain_3": (_high_gain_3, ACCURATE),
-    "sliding_mode": (_sliding_mode, STABLE),
-    "adaptive_sliding_mode": (_adaptive_sliding_mode, STABLE),
-}
+def _numeric(expressions: ca.SX, symbols: Symbols, values: Mapping[str, float]) -> Array:
+    function = ca.Function("numeric", [symbols.vector()], [expressions])
+    return np.array(function([values[name] for name in symbols]), dtype=float)

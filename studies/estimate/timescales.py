@@ -10,9 +10,9 @@ import numpy as np
 from ...model.arrays import Array
 from .noise import Noise, differences
 
-# lags: so many in an octave, up to this one in τ, each leaving at least this part of the samples to look at
+# lags in an octave; the longest, in τ; the part of the samples that each must leave to look at
 _PER_OCTAVE, _LONGEST, _PART = 6, 3.0, 4
-# at least the lags up to this one, however far apart the samples are
+# in samples: shorter lags are looked at however far apart the samples are
 _FEW = 8
 # noise averaged over n samples is compared as if averaged over n/8: then one constant fits all sampling rates
 _AVERAGED = 8.0

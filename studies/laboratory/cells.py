@@ -107,18 +107,18 @@ class Cells:
 
     def _line(self, row: int, line: str) -> list[float]:
         try:
-            found = cells(line, self._delimiter)
+            texts = cells(line, self._delimiter)
         except RecordingError as error:
             raise RecordingError(f"row {row}: {error}") from error
         # older programs end rows with a tab, or part the names by tabs and the numbers by blanks
-        if self._delimiter == "\t" and len(found) == 1:
-            found = cells(line, " ")
-        elif self._delimiter == "\t" and len(found) == len(self._labels) + 1 and not found[-1]:
-            found.pop()
-        if len(found) != len(self._labels):
-            cell = "cell" if len(found) == 1 else "cells"
-            raise RecordingError(f"row {row} has {len(found)} {cell}; the header names {len(self._labels)} columns")
-        return [self._number(row, self._labels[i], found[i]) for i in self._used]
+        if self._delimiter == "\t" and len(texts) == 1:
+            texts = cells(line, " ")
+        elif self._delimiter == "\t" and len(texts) == len(self._labels) + 1 and not texts[-1]:
+            texts.pop()
+        if len(texts) != len(self._labels):
+            cell = "cell" if len(texts) == 1 else "cells"
+            raise RecordingError(f"row {row} has {len(texts)} {cell}; the header names {len(self._labels)} columns")
+        return [self._number(row, self._labels[i], texts[i]) for i in self._used]
 
     def _number(self, row: int, label: str, text: str) -> float:
         if GAP.fullmatch(text):

@@ -11,11 +11,11 @@ from ..files.errors import RecordingError
 from ..files.quote import short, shown
 from .units import SI, UNITS, Unit, find_unit, unit_of
 
-# what an observer is given
-INPUTS = ("position", "force_1", "force_2")
+# what a recording must have beside time
+REQUIRED = ("position", "force_1", "force_2")
 
 # name → what it measures; positions are those of the mass, forces those of the tendons
-QUANTITIES: Mapping[str, str] = {
+COLUMNS: Mapping[str, str] = {
     "time": "time",
     "position": "length",
     "force_1": "force",
@@ -82,7 +82,7 @@ def name_and_unit(label: str) -> tuple[str, str]:
     if match := _BRACKET.fullmatch(label):
         return _known(match["name"]) or match["name"], match["unit"].strip() or "1"
     head, _, tail = label.rpartition("_")
-    if (known := _known(head)) and _suffix(label, QUANTITIES[known]):
+    if (known := _known(head)) and _suffix(label, COLUMNS[known]):
         return known, tail
     return label, ""
 
@@ -94,13 +94,13 @@ def choose(labels: Sequence[str], units: Sequence[str], mapping: Mapping[str, st
     RecordingError if time, the position or a force is missing, a unit is wrong, or a name is there twice.
     """
     for name in mapping:
-        if name not in QUANTITIES:
-            near = difflib.get_close_matches(short(name), QUANTITIES, n=3) or ["time", *INPUTS]
+        if name not in COLUMNS:
+            near = difflib.get_close_matches(short(name), COLUMNS, n=3) or ["time", *REQUIRED]
             raise RecordingError(f"{shown(name)} is no column of a recording; the nearest are {', '.join(near)}")
     plain = [name_and_unit(label) for label in labels]
-    found: dict[str, Column] = {}
-    for name in sorted(QUANTITIES, key=lambda name: name not in mapping):
-        asked, taken = "", {column.index: column.name for column in found.values()}
+    columns: dict[str, Column] = {}
+    for name in sorted(COLUMNS, key=lambda name: name not in mapping):
+        asked, taken = "", {column.index: column.name for column in columns.values()}
         if name in mapping:
             index, asked = _mapped(name, mapping[name], labels, plain)
             if index in taken:
@@ -112,35 +112,35 @@ def choose(labels: Sequence[str], units: Sequence[str], mapping: Mapping[str, st
             if not places:
                 continue
             index = places[0]
-        given = (asked, _written_unit(labels[index], plain[index], asked, QUANTITIES[name]), units[index])
-        found[name] = Column(name, labels[index].strip(), index, _agreed(given, name, labels[index]))
-    for name in ("time", *INPUTS):
-        if name not in found and f"{name}_measured" not in found:
-            taken_by = [column.name for column in found.values() if plain[column.index][0] == name]
+        given = (asked, _written_unit(labels[index], plain[index], asked, COLUMNS[name]), units[index])
+        columns[name] = Column(name, labels[index].strip(), index, _agreed(given, name, labels[index]))
+    for name in ("time", *REQUIRED):
+        if name not in columns and f"{name}_measured" not in columns:
+            taken_by = [column.name for column in columns.values() if plain[column.index][0] == name]
             why = f"{shown(name)} is mapped to {taken_by[0]}" if taken_by else _there(name, labels)
             raise RecordingError(f"there is no column {name}; {why}")
-    return [found[name] for name in QUANTITIES if name in found]
+    return [columns[name] for name in COLUMNS if name in columns]
 
 
 def _known(text: str) -> str:
-    """The name in `QUANTITIES` that a text stands for, in any case, with American spelling; or an empty string."""
+    """The name in `COLUMNS` that a text stands for, in any case, with American spelling; or an empty string."""
     plain = text.strip()
     plain = _OURS.get(plain, plain).lower().replace(" ", "_").replace("fiber", "fibre")
-    return plain if plain in QUANTITIES else ""
+    return plain if plain in COLUMNS else ""
 
 
 def _mapped(name: str, target: str, labels: Sequence[str], plain: Sequence[tuple[str, str]]) -> tuple[int, str]:
     """The place of a mapped column, and the unit asked for."""
-    wanted, asked = target.strip(), ""
-    every = [label.strip() for label in labels]
-    if wanted not in every and (match := _BRACKET.fullmatch(wanted)):
-        wanted, asked = match["name"], match["unit"].strip() or "1"
-    places = [i for i, label in enumerate(every) if label == wanted]
-    places = places or [i for i, (known, _) in enumerate(plain) if known == wanted]
+    label, asked = target.strip(), ""
+    there = [text.strip() for text in labels]
+    if label not in there and (match := _BRACKET.fullmatch(label)):
+        label, asked = match["name"], match["unit"].strip() or "1"
+    places = [i for i, text in enumerate(there) if text == label]
+    places = places or [i for i, (known, _) in enumerate(plain) if known == label]
     if not places:
-        raise RecordingError(f"{name} is mapped to {shown(wanted)}, which is not there; {_there(wanted, labels)}")
+        raise RecordingError(f"{name} is mapped to {shown(label)}, which is not there; {_there(label, labels)}")
     if len(places) > 1:
-        raise RecordingError(f"{name} is mapped to {shown(wanted)}, which is there twice, in columns {_two(places)}")
+        raise RecordingError(f"{name} is mapped to {shown(label)}, which is there twice, in columns {_two(places)}")
     return places[0], asked
 
 
@@ -158,25 +158,25 @@ def _suffix(label: str, quantity: str) -> str:
 
 def _agreed(given: Sequence[str], name: str, label: str) -> Unit:
     where = f"column {shown(label.strip())}"
-    quantity = QUANTITIES[name]
+    quantity = COLUMNS[name]
     # a length of unit 1 is one without a unit, as our own dimensionless results have it
     told = [text for text in given if text and (quantity == "number" or find_unit(text) != UNITS["1"])]
-    every = [unit_of(text, quantity, where) for text in told]
-    for one in every[1:]:
-        if one != every[0]:
-            raise RecordingError(f"{where}: its unit is {every[0].symbol} in one place and {one.symbol} in another")
-    return every[0] if every else SI[quantity]
+    units = [unit_of(text, quantity, where) for text in told]
+    for unit in units[1:]:
+        if unit != units[0]:
+            raise RecordingError(f"{where}: its unit is {units[0].symbol} in one place and {unit.symbol} in another")
+    return units[0] if units else SI[quantity]
 
 
 def _two(places: Sequence[int]) -> str:
     return f"{places[0] + 1} and {places[1] + 1}"
 
 
-def _there(wanted: str, labels: Sequence[str]) -> str:
+def _there(missing: str, labels: Sequence[str]) -> str:
     """What is there instead, the nearest names first."""
-    every = [label.strip() for label in labels if label.strip()]
-    near = difflib.get_close_matches(short(wanted), [short(label) for label in every[:200]], n=3, cutoff=0.5)
+    names = [label.strip() for label in labels if label.strip()]
+    near = difflib.get_close_matches(short(missing), [short(name) for name in names[:200]], n=3, cutoff=0.5)
     if near:
         return f"the nearest are {', '.join(map(shown, near))}"
-    more = f" and {len(every) - 8} more" if len(every) > 8 else ""
-    return f"there are {', '.join(map(shown, every[:8]))}{more}" if every else "no column has a name"
+    more = f" and {len(names) - 8} more" if len(names) > 8 else ""
+    return f"there are {', '.join(map(shown, names[:8]))}{more}" if names else "no column has a name"

@@ -1,8 +1,9 @@
-"""Curves of a user: a CSV file with the columns curve, x, y, checked row by row."""
+"""Curves of a user: a CSV file with the columns curve, x, y, checked row by row, or the points themselves."""
 
 from __future__ import annotations
 
 import difflib
+from collections.abc import Mapping
 from pathlib import Path
 
 from ...model.curves.curve_set import CurveSet
@@ -35,6 +36,32 @@ def read_curves(path: Path) -> CurveSet:
         raise ScenarioError(f"{path}: {error}") from error
 
 
+def tabulated_curves(points: Mapping[str, object]) -> CurveSet:
+    """The same set from the points of the four curves: name → [[x, y], …]. ScenarioError says what is wrong."""
+    if sorted(points) != sorted(TABLES):
+        raise ScenarioError(f"must have the tables {', '.join(TABLES)}, not {shown(', '.join(points))}")
+    try:
+        return tabulated(Tables(**{name: _points(points[name]) for name in TABLES}))
+    except (TypeError, OverflowError) as error:
+        raise ScenarioError("tables must be lists of points [x, y]") from error
+    except TableError as error:
+        raise ScenarioError(str(error)) from error
+
+
+def _points(points: object) -> Points:
+    """Points as TOML and JSON have them; TypeError if they are something else."""
+    if not isinstance(points, list):
+        raise TypeError
+    return tuple(map(_point_of, points))
+
+
+def _point_of(point: object) -> tuple[float, float]:
+    match point:
+        case [int() | float() as x, int() | float() as y] if bool not in (type(x), type(y)):
+            return float(x), float(y)
+    raise TypeError
+
+
 def _tables(text: str) -> Tables:
     points: dict[str, list[tuple[float, float]]] = {name: [] for name in TABLES}
     delimiter = ""
@@ -43,16 +70,16 @@ def _tables(text: str) -> Tables:
             continue
         if not delimiter:
             delimiter = next((mark for mark in "\t;" if mark in line), ",")
-            if (found := _cells(line, delimiter, row)) != _COLUMNS:
-                raise RecordingError(f"row {row}: its columns must be curve, x, y, not {shown(', '.join(found))}")
+            if (names := _cells(line, delimiter, row)) != _COLUMNS:
+                raise RecordingError(f"row {row}: its columns must be curve, x, y, not {shown(', '.join(names))}")
             continue
         name, point = _point(_cells(line, delimiter, row), row)
         if len(points[name]) == MOST_POINTS:
             raise RecordingError(f"row {row}: {name} has more than {MOST_POINTS:,} points")
         points[name].append(point)
-    if missing := [name for name, found in points.items() if not found]:
+    if missing := [name for name, of_curve in points.items() if not of_curve]:
         raise RecordingError(f"has no points of {', '.join(missing)}")
-    tables: dict[str, Points] = {name: tuple(found) for name, found in points.items()}
+    tables: dict[str, Points] = {name: tuple(of_curve) for name, of_curve in points.items()}
     return Tables(**tables)
 
 

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ...model.arrays import Array
 from ..files.errors import RecordingError
-from .columns import INPUTS
+from .columns import REQUIRED
 from .muscles import MusclePair
 from .recording import Recording
 
@@ -23,9 +23,9 @@ _LONGEST_STEP = 3.0
 
 def bridged(recording: Recording) -> tuple[Array, NDArray[np.bool_]]:
     """The inputs (n × 3), gaps bridged in straight lines, and where. RecordingError names a gap that is too long."""
-    inputs = np.stack([getattr(recording, name) for name in INPUTS], axis=1)
+    inputs = np.stack([getattr(recording, name) for name in REQUIRED], axis=1)
     missing = np.isnan(inputs)
-    for i, name in enumerate(INPUTS):
+    for i, name in enumerate(REQUIRED):
         known = ~missing[:, i]
         if known.all():
             continue

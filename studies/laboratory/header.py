@@ -51,12 +51,12 @@ def cells(line: str, delimiter: str) -> list[str]:
     """The cells of one line, without quotes and blanks around them. RecordingError if a quote stays open."""
     if delimiter == " ":
         return [cell for cell in line.replace("\t", delimiter).split(delimiter) if cell]
-    found = [cell.strip(BLANKS) for cell in line.split(delimiter)]
+    texts = [cell.strip(BLANKS) for cell in line.split(delimiter)]
     if '"' not in line:
-        return found
+        return texts
     # a reader for each line takes five times as long; it is for cells with quotes or delimiters inside
-    if all(_PLAIN.fullmatch(cell) for cell in found):
-        return [cell.strip('"').strip(BLANKS) for cell in found]
+    if all(_PLAIN.fullmatch(cell) for cell in texts):
+        return [cell.strip('"').strip(BLANKS) for cell in texts]
     try:
         (row,) = csv.reader([line], delimiter=delimiter, skipinitialspace=True, strict=True)
     except (csv.Error, ValueError) as error:

@@ -18,7 +18,7 @@ def read_mapping(texts: Iterable[str]) -> dict[str, str]:
     A file has lines such as `position = "block_x"` or `position = { column = "block_x", unit = "mm" }`.
     RecordingError if one is neither, or a name is mapped twice.
     """
-    found: dict[str, str] = {}
+    mapping: dict[str, str] = {}
     for text in texts:
         name, equals, column = text.partition("=")
         if equals:
@@ -30,9 +30,9 @@ def read_mapping(texts: Iterable[str]) -> dict[str, str]:
         for name, column in entries:
             if not name or not column:
                 raise RecordingError(f"{shown(text)} is not NAME=COLUMN, {_EXAMPLE}")
-            if found.setdefault(name, column) != column:
-                raise RecordingError(f"{shown(name)} is mapped twice, to {shown(found[name])} and {shown(column)}")
-    return found
+            if mapping.setdefault(name, column) != column:
+                raise RecordingError(f"{shown(name)} is mapped twice, to {shown(mapping[name])} and {shown(column)}")
+    return mapping
 
 
 def _file(path: Path) -> dict[str, str]:

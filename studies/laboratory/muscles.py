@@ -1,4 +1,4 @@
-"""A pair of muscles in SI, from a TOML file, checked key by key."""
+"""A pair of muscles in SI, from a TOML file, checked key by key, and as such a file again."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ...model.block import Parameter
-from ...model.curves import CURVES, NGUYEN2019_PRINTED, CurveSet
+from ...model.curves import CURVES, NGUYEN2019_PRINTED, Curves, CurveSet
 from ...model.symbols import MUSCLES
 from ..files.errors import ScenarioError, TomlError
 from ..files.numbers import within
 from ..files.quote import short, shown
 from ..files.toml import read_toml
-from .curves import SUFFIX, read_curves
+from .curves import SUFFIX, read_curves, tabulated_curves
 
 _FILE = "muscle file"
 # no default: a pair is not known without them; the upper bounds find millimetres where metres belong
@@ -61,6 +61,12 @@ class MusclePair:
     muscle2: Muscle
     description: str = ""
 
+    @property
+    def curves(self) -> Curves:
+        """One set for both, or that of each."""
+        first, second = self.muscle1.curves, self.muscle2.curves
+        return first if first is second else (first, second)
+
 
 def read_muscles(path: str | Path) -> MusclePair:
     """The muscles of a TOML file. ScenarioError names the file and the key that is wrong, missing or unknown."""
@@ -104,6 +110,18 @@ def muscle_pair(content: Mapping[str, object], folder: Path = Path()) -> MuscleP
     return pair
 
 
+def muscle_file(pair: MusclePair) -> dict[str, object]:
+    """The pair as a muscle file, from which `muscle_pair` makes it again, number by number."""
+    sections: dict[str, object] = {name: _content(getattr(pair, name)) for name in MUSCLES}
+    return {"description": pair.description, **{key: getattr(pair, key) for key in PAIR}, **sections}
+
+
+def _content(muscle: Muscle) -> dict[str, object]:
+    curves = muscle.curves
+    tables = {name: [list(point) for point in points] for name, points in (curves.tables or {}).items()}
+    return {"curves": tables or curves.name, **{key: getattr(muscle, key) for key in SIZES}, **muscle.numbers}
+
+
 def _section(content: Mapping[str, object], name: str) -> dict[str, object]:
     section = content.get(name, {})
     if not isinstance(section, dict):
@@ -122,17 +140,19 @@ def _refuse_unknown(given: Iterable[str], known: list[str], prefix: str) -> None
 
 def _curves(muscle: str, given: Mapping[str, tuple[object, str]], folder: Path) -> CurveSet:
     # the printed toe jumps: no muscle has it
-    every = [name for name in CURVES if name != NGUYEN2019_PRINTED.name]
+    names = [name for name in CURVES if name != NGUYEN2019_PRINTED.name]
     if "curves" not in given:
-        raise ScenarioError(f"{muscle}.curves is missing; there are {', '.join(every)}, or a {SUFFIX} file")
+        raise ScenarioError(f"{muscle}.curves is missing; there are {', '.join(names)}, or a {SUFFIX} file")
     value, path = given["curves"]
-    if isinstance(value, str) and value.endswith(SUFFIX):
-        try:
+    try:
+        if isinstance(value, dict):
+            return tabulated_curves(value)
+        if isinstance(value, str) and value.endswith(SUFFIX):
             return read_curves(folder / value)
-        except ScenarioError as error:
-            raise ScenarioError(f"{path}: {error}") from error
-    if not isinstance(value, str) or value not in every:
-        raise ScenarioError(f"{path} must be one of {', '.join(every)}, or a {SUFFIX} file, not {shown(value)}")
+    except ScenarioError as error:
+        raise ScenarioError(f"{path}: {error}") from error
+    if not isinstance(value, str) or value not in names:
+        raise ScenarioError(f"{path} must be one of {', '.join(names)}, or a {SUFFIX} file, not {shown(value)}")
     return CURVES[value]
 
 

@@ -66,11 +66,11 @@ def find_unit(text: str) -> Unit | None:
 
 def unit_of(text: str, quantity: str, where: str) -> Unit:
     """The unit `text` for a quantity. RecordingError if there is no such unit, or it measures something else."""
-    found = find_unit(text)
-    valid = ", ".join(unit.symbol for unit in _UNITS if unit.quantity == quantity)
-    if found is None:
+    unit = find_unit(text)
+    valid = ", ".join(known.symbol for known in _UNITS if known.quantity == quantity)
+    if unit is None:
         raise RecordingError(f"{where}: unknown unit {shown(text)}; a {quantity} is in {valid}")
-    if found.quantity != quantity:
-        a = "an" if found.quantity[0] in "aeiou" else "a"
-        raise RecordingError(f"{where}: {found.symbol} is the unit of {a} {found.quantity}; a {quantity} is in {valid}")
-    return found
+    if unit.quantity != quantity:
+        a = "an" if unit.quantity[0] in "aeiou" else "a"
+        raise RecordingError(f"{where}: {unit.symbol} is the unit of {a} {unit.quantity}; a {quantity} is in {valid}")
+    return unit

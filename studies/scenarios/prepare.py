@@ -11,7 +11,7 @@ from ...codegen.loop import Loop
 from ...codegen.memory import Grid
 from ...model.block import Block
 from ...model.symbols import MUSCLES, QUANTITIES, hat
-from ...observers import OBSERVERS
+from ...observers import OBSERVERS, PAPER
 from ...observers.score import MEASURES
 from ..files.errors import ScenarioError
 from ..files.quote import shown
@@ -43,7 +43,7 @@ class Prepared:
         changes = [
             f"{path}={_spelled(value)}" for path, value in self.scenario.changes.items() if path != "description"
         ]
-        observers = [] if self.observers == tuple(OBSERVERS) else self.observers
+        observers = [] if self.observers == PAPER else self.observers
         label = ",".join([self.scenario.name, *changes, *observers])
         if len(label) <= _LONGEST_LABEL:
             return label
@@ -76,7 +76,7 @@ def prepare(
         observers = [observers]
     name, stacked = layers(source, changes)
     custom = tuple(block for block in observers or () if isinstance(block, Block))
-    chosen = tuple(dict.fromkeys(o.name if isinstance(o, Block) else o for o in (observers or OBSERVERS)))
+    chosen = tuple(dict.fromkeys(o.name if isinstance(o, Block) else o for o in (observers or PAPER)))
     known = [*OBSERVERS, *(block.name for block in custom)]
     for observer in chosen:
         if observer not in known:

@@ -16,10 +16,10 @@ from ..scenarios.prepare import Prepared
 
 def gain_conditions(prepared: Prepared, truth: Trace) -> dict[str, list[Checked]]:
     """The gain conditions of each registered observer, with suprema from the recorded truth."""
-    result, known = {}, facts(prepared, truth)
-    for block, conditions, every in conditions_of(prepared):
+    result, of_run = {}, facts(prepared, truth)
+    for block, conditions, known in conditions_of(prepared):
         values = dict(zip(block.p, prepared.table.values(block, prepared.scenario.given), strict=True))
-        result[block.name] = check(conditions, every, {**values, **known})
+        result[block.name] = check(conditions, known, {**values, **of_run})
     return result
 
 

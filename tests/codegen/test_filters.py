@@ -13,8 +13,8 @@ from hillobs.codegen.bank import Bank
 from hillobs.codegen.filters import CompiledBank
 from hillobs.model.block import Block, Symbols, symbols
 from hillobs.model.curves import NGUYEN2019
-from hillobs.observers import FOLLOWERS
-from hillobs.studies.estimate.follow import compiled_bank
+from hillobs.observers import OBSERVERS
+from hillobs.studies.estimate.follow import compiled_bank, follower_bank
 from hillobs.studies.scenarios.paths import table
 from hillobs.studies.simulate.run import simulate
 
@@ -27,6 +27,10 @@ PLAIN = ("high_gain", "sliding_mode", "adaptive_sliding_mode")
 STEP = 0.01
 
 
+def uncorrected() -> CompiledBank:
+    return compiled_bank(follower_bank(NGUYEN2019, False, tuple(OBSERVERS.values())))
+
+
 def numbers(compiled: CompiledBank, observer: str, given: Mapping[str, float] | None = None) -> np.ndarray:
     every = table(compiled.bank.observers)
     block = next(block for block in compiled.bank.observers if block.name == observer)
@@ -37,7 +41,7 @@ def followed(
     observer: str, t: np.ndarray, y: np.ndarray, substeps: int = 1, given: Mapping[str, float] | None = None
 ) -> np.ndarray:
     """The nine estimates in the order of NAMES."""
-    compiled = compiled_bank(NGUYEN2019, False)
+    compiled = uncorrected()
     filter_ = compiled.follow(observer, numbers(compiled, observer, given), substeps)
     order = [list(filter_.block.y).index(name) for name in NAMES]
     return filter_.samples(t, y).y[:, order]
@@ -98,15 +102,15 @@ def test_the_estimates_are_those_of_an_independent_text(substeps: int, observers
 def test_the_first_sample_is_where_an_observer_starts() -> None:
     t, y = recorded(1)
     start = {"initial.x1_hat": 2.7, "initial.x2_hat": 0.1, "initial.x3_hat": 2.02, "initial.x4_hat": 2.03}
-    for name in FOLLOWERS:
+    for name in OBSERVERS:
         assert followed(name, t, y, given=start)[0, :7].tolist() == [2.7, 0.1, 0, 2.02, 0, 2.03, 0]
 
 
 @settings(max_examples=30)
-@given(st.sampled_from(list(FOLLOWERS)), st.lists(st.integers(0, 60), max_size=5), st.integers(1, 4))
+@given(st.sampled_from(list(OBSERVERS)), st.lists(st.integers(0, 60), max_size=5), st.integers(1, 4))
 def test_pieces_change_no_bit(observer: str, cuts: list[int], substeps: int) -> None:
     t, y = recorded(60)
-    compiled = compiled_bank(NGUYEN2019, False)
+    compiled = uncorrected()
     values = numbers(compiled, observer)
     whole = compiled.follow(observer, values, substeps).samples(t, y)
     filter_ = compiled.follow(observer, values, substeps)
@@ -148,7 +152,7 @@ def test_each_step_of_time_counts_as_it_is() -> None:
     twice_t, twice_y = np.repeat(t, 2)[:-1].copy(), np.repeat(y, 2, axis=0)[:-1].copy()
     twice_t[1::2] += np.diff(t) / 2
     twice_y[1::2] += np.diff(y, axis=0) / 2
-    for name in FOLLOWERS:
+    for name in OBSERVERS:
         once, twice = followed(name, t, y, 2), followed(name, twice_t, twice_y, 1)
         np.testing.assert_allclose(twice[::2], once, atol=1e-12, err_msg=name)
 
@@ -193,6 +197,6 @@ def test_without_a_width_of_its_own_a_chain_has_the_paper_s(width: str, same: st
 
 
 def test_a_number_too_few_is_refused() -> None:
-    compiled = compiled_bank(NGUYEN2019, False)
+    compiled = uncorrected()
     with pytest.raises(ValueError, match="high_gain takes"):
         compiled.follow("high_gain", numbers(compiled, "high_gain")[:-1], 1)

@@ -20,7 +20,6 @@ from hillobs.model.curves.fit import Fit, TableError, fit, invertible
 from hillobs.model.curves.spline import MOST_STEPS, Spline
 from hillobs.model.curves.tabulated import TABLES, Points, Tables, tabulated
 from hillobs.studies.cli.main import commands
-from hillobs.studies.estimate.follow import curves_of
 from hillobs.studies.files.errors import ScenarioError
 from hillobs.studies.laboratory.curves import read_curves
 from hillobs.studies.laboratory.muscles import read_muscles
@@ -287,10 +286,10 @@ def muscle_file(folder: Path, curves: str, more: str = "") -> Path:
 def test_a_muscle_file_names_curves_beside_it(tmp_path: Path) -> None:
     (tmp_path / "own.csv").write_text(csv_of(excerpt()))
     pair = read_muscles(muscle_file(tmp_path, "own.csv"))
-    assert curves_of(pair) is tabulated(excerpt())
+    assert pair.curves is tabulated(excerpt())
     assert pair.muscle1.numbers == {"damping": 0.0}
     pair = read_muscles(muscle_file(tmp_path, "own.csv", "\n[muscle2]\ncurves = 'thelen2003'\ntendon_strain = 0.05\n"))
-    assert curves_of(pair) == (tabulated(excerpt()), CURVES["thelen2003"])
+    assert pair.curves == (tabulated(excerpt()), CURVES["thelen2003"])
     for curves, more, message in (
         ("none.csv", "", "muscle.curves: .*none.csv: cannot be read: No such file"),
         ("own.cvs", "", "muscle.curves must be one of .*, or a .csv file, not 'own.cvs'"),

@@ -11,7 +11,7 @@ import pytest
 from hillobs.codegen.bank import Bank
 from hillobs.codegen.filters import CompiledBank
 from hillobs.model.block import Block, Symbols, symbols
-from hillobs.observers import FOLLOWERS
+from hillobs.observers import OBSERVERS
 from hillobs.observers.adaptive_sliding_mode import PARAMETERS as ADAPTIVE
 
 pytestmark = pytest.mark.numerics
@@ -36,12 +36,11 @@ GAINS = {
 
 @functools.cache
 def compiled(corrected: bool) -> CompiledBank:
-    """All followers, told tendon lengths and accelerations instead of forces."""
+    """All observers, told tendon lengths and accelerations instead of forces."""
     u = symbols("z1 z2 acc")
     front = Block("measured", u=u, y=Symbols(y2=ca.SX(0), y3=u.acc, L_S1=u.z1, L_S2=u.z2))
-    return CompiledBank(
-        Bank(("y1", "z1", "z2", "acc"), front, None, tuple(build(corrected) for build in FOLLOWERS.values()))
-    )
+    blocks = tuple(observer.block(corrected) for observer in OBSERVERS.values())
+    return CompiledBank(Bank(("y1", "z1", "z2", "acc"), front, None, blocks))
 
 
 def followed(

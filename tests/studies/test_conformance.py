@@ -58,7 +58,7 @@ def violated(name: str, **changes: float) -> list[str]:
 
 
 def test_the_papers_gains_meet_their_conditions_but_for_the_rounded_one() -> None:
-    assert violated("high_gain") == []
+    assert violated("high_gain") == violated("high_gain_3") == []
     assert violated("adaptive_sliding_mode") == []
     (only,) = violated("sliding_mode")
     assert "[lambda11]: 28.17 > 28.17446 does not hold" in only
@@ -71,11 +71,16 @@ def test_the_papers_gains_meet_their_conditions_but_for_the_rounded_one() -> Non
         ("high_gain", {"eps_h": 1.5}, "0 < ε_h < 1: 1.5 < 1"),
         ("high_gain", {"h22": -1.0}, "h22 > 0: -1 > 0"),
         ("sliding_mode", {"alpha3": 0.9}, "α₃ > U₂ₘ [alpha3]: 0.9 > 0.9"),
-        ("sliding_mode", {"h": 0.02}, "h < 2δ_s/α (integration): 0.02 < 0.01818182"),
-        ("sliding_mode", {"tau_s": 1e-4}, "h < 2τ_s (integration): 0.0005 < 0.0002"),
+        ("sliding_mode", {"h": 0.03}, "h α/δ_L < 2.5 (integration): 3.3 < 2.5"),
+        ("sliding_mode", {"delta_L": 2e-4}, "h α/δ_L < 2.5 (integration): 2.75 < 2.5"),
+        ("sliding_mode", {"delta_s": 1e-6}, "h 0.55 λ₁₁/√δ_s < 2.5 (integration): 7.74675 < 2.5"),
+        ("sliding_mode", {"tau_s": 1e-4}, "h 1/τ_s < 2.5 (integration): 5 < 2.5"),
+        ("high_gain", {"eps_L": 5e-4}, "h ρ/ε_L < 0.75 (integration): 1 < 0.75"),
+        ("high_gain_3", {"h13": 64.0, "eps_h": 2e-3}, "h ρ/ε_h < 0.75 (integration): 1 < 0.75"),
+        ("high_gain_3", {"h23": 9.5}, "chain of e₃ Hurwitz: h21 h22 > h23: 9 > 9.5"),
         ("adaptive_sliding_mode", {"a_dual": 0.95}, "0 < a < 1/β₀: 0.95 < 0.9090909"),
         ("adaptive_sliding_mode", {"alpha0": 2.97}, "α₀ = 2√(2β₀): 2.97 = 2.966479"),
-        ("adaptive_sliding_mode", {"h": 5e-3}, "(r₀ + r_max) h/δ_a < 2.78 (integration): 10.25 < 2.78"),
+        ("adaptive_sliding_mode", {"h": 5e-3}, "h (r₀ + r_max)/δ_a < 2.5 (integration): 10.25 < 2.5"),
         ("adaptive_sliding_mode", {"sup_du1": 2.0}, "(dual layer): 0.01 >"),
     ],
 )

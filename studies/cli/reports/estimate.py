@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from rich.table import Table
 from rich.text import Text
 
+from ....model.skeleton import pull
 from ....observers import label
 from ...estimate.scores import BOTH, SETTLED, Score
 from .number import number
@@ -25,6 +26,8 @@ _SHOWN = {
 }
 # episodes named one by one
 _FEW = 3
+# a time from here on has no decimals
+_WHOLE = 10.0
 # a step longer than this many of the usual is worth a word
 _UNEVEN = 1.1
 # the mass's acceleration over the muscles' pull: how steep is clearly against it, and how large is no slow motion,
@@ -41,8 +44,8 @@ def notes(dataset: xr.Dataset) -> Iterator[str]:
         f"one every {period * 1e3:.4g} ms"
         + (f", but some after {longest * 1e3:.4g} ms" if longest > _UNEVEN * period else "")
     )
-    if attributes["every"] != "1":
-        yield f"estimates are kept of every {attributes['every']}th sample"
+    if (keep_every := json.loads(attributes["settings"])["keep_every"]) > 1:
+        yield f"estimates are kept of every {keep_every}th sample"
     yield from json.loads(attributes["notes"])
     if dataset.bridged.any():
         yield f"gaps bridged by straight lines {_episodes(time, dataset.bridged.values > 0)}"
@@ -56,9 +59,9 @@ def notes(dataset: xr.Dataset) -> Iterator[str]:
         )
     gains, substeps = json.loads(attributes["gains"]), json.loads(attributes["substeps"])
     for name in dataset.observer.values.tolist():
-        few = ", ".join(f"{path.partition('.')[2]} = {value:.3g}" for path, value in gains[name].items())
-        steps = substeps[name]
-        yield f"{label(name)}: {steps} step{'s' if steps > 1 else ''} from sample to sample; {few}"
+        steps = f"{label(name)}: {substeps[name]} step{'s' if substeps[name] > 1 else ''} from sample to sample"
+        numbers = [f"{path.partition('.')[2]} = {value:.3g}" for path, value in gains[name].items()]
+        yield f"{steps}; {', '.join(numbers)}" if numbers else steps
         of = dataset.sel(observer=name)
         for j in (1, 2):
             for what, sentence in (
@@ -78,14 +81,27 @@ def failures(dataset: xr.Dataset) -> Iterator[str]:
             yield f"{name}: its numbers end at {at:.4g} s: gains too fast or unstable, or data too wild"
 
 
-def score_table(found: Sequence[Score]) -> Table:
+def timing(dataset: xr.Dataset, reading: float, building: float, following: float) -> str:
+    """How long it took, in seconds; what the observers cost is apart from what a compiler or a disk does."""
+    each = following / int(dataset.attrs["samples"]) * 1e6
+    return (
+        f"read in {_seconds(reading)}, observers built in {_seconds(building)}, followed in {_seconds(following)}: "
+        f"{each:,.{0 if each >= _WHOLE else 1}f} µs a sample"
+    )
+
+
+def _seconds(value: float) -> str:
+    return f"{value:,.0f} s" if value >= _WHOLE else f"{value:.2f} s"
+
+
+def score_table(scores: Sequence[Score]) -> Table:
     """RMSE of each observer after the first second, both muscles together."""
     table = Table(box=None, padding=(0, 2, 0, 0), title=f"RMSE after {SETTLED:g} s", title_justify="left")
-    shown = [q for q in _SHOWN if any(score.quantity == q for score in found)]
+    shown = [q for q in _SHOWN if any(score.quantity == q for score in scores)]
     for heading in ("", *(_SHOWN[q][0] for q in shown)):
         table.add_column(heading, justify="left" if not heading else "right", no_wrap=True)
-    by_key = {(s.observer, s.quantity): s.rmse for s in found if s.muscle in ("", BOTH)}
-    for observer in dict.fromkeys(score.observer for score in found):
+    by_key = {(s.observer, s.quantity): s.rmse for s in scores if s.muscle in ("", BOTH)}
+    for observer in dict.fromkeys(score.observer for score in scores):
         cells = [number(by_key[observer, q] * _SHOWN[q][1]) for q in shown]
         table.add_row(Text(label(observer)), *cells)
     return table
@@ -94,8 +110,8 @@ def score_table(found: Sequence[Score]) -> Table:
 def _against(dataset: xr.Dataset) -> bool:
     """Whether the mass clearly accelerates against force_2 − force_1; noise may hide that, but not feign it."""
     late = dataset.isel(observer=0).sel(time=slice(float(dataset.time[0]) + SETTLED, None))
-    difference = np.diff(late.force.values, axis=1)[:, 0]
-    # mass · acceleration = force_2 − force_1 + disturbance
+    difference = pull(late.force.values.T)
+    # mass · acceleration = R F + disturbance
     total = difference + late.disturbance_hat.values
     if len(difference) < 2 or not np.isfinite(total).all():
         return False

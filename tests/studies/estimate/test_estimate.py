@@ -15,15 +15,19 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 import hillobs
-from hillobs.model.block import Symbols
-from hillobs.observers import FOLLOWERS
-from hillobs.studies.cli.reports.estimate import failures, notes
+from double_pole import double_pole
+from hillobs.codegen import filters
+from hillobs.model.block import Symbols, symbols
+from hillobs.observers import PAPER
+from hillobs.studies.cli.reports.estimate import failures, notes, timing
 from hillobs.studies.estimate import follow
-from hillobs.studies.estimate.run import DEFAULT_OBSERVERS, estimate
+from hillobs.studies.estimate.dataset import arguments as again
+from hillobs.studies.estimate.files import save_estimates
+from hillobs.studies.estimate.run import compile_observers, estimate
 from hillobs.studies.estimate.scores import scores
 from hillobs.studies.figures.estimate import estimate_sheet
 from hillobs.studies.files.errors import RecordingError, ScenarioError
-from hillobs.studies.files.netcdf import load
+from hillobs.studies.files.netcdf import load, save_netcdf
 from hillobs.studies.files.tables import Series, write_csv
 from hillobs.studies.laboratory.muscles import MusclePair, read_muscles
 from hillobs.studies.laboratory.recording import Recording, read_recording
@@ -33,13 +37,13 @@ from places import DATA, DOCS, RECORDINGS
 pytestmark = pytest.mark.numerics
 
 SHIPPED, MUSCLES = RECORDINGS / "dgf_smooth_noisy.csv.gz", RECORDINGS / "dgf_smooth.toml"
-EVERY = list(FOLLOWERS)
+ALL = ["high_gain", "high_gain_3", "sliding_mode", "adaptive_sliding_mode"]
 ESTIMATED = ("position", "velocity", "disturbance", "tendon_length", "fibre_length", "fibre_velocity", "activation")
 
 
 @pytest.fixture(scope="module")
 def noisy() -> xr.Dataset:
-    return estimate(SHIPPED, MUSCLES, EVERY)
+    return estimate(SHIPPED, MUSCLES, ALL)
 
 
 @pytest.fixture(scope="module")
@@ -161,7 +165,7 @@ def unlike(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
 
 
 def test_a_clean_recording_of_unlike_muscles_is_estimated_as_well_as_promised(unlike: tuple[Path, Path]) -> None:
-    found = estimate(*unlike, EVERY)
+    found = estimate(*unlike, ALL)
     assert np.ptp(found.true_activation.values) > 0.15
     assert np.ptp(found.true_velocity.values) > 0.08
     assert max(rmse(found, "activation").values()) < 0.003, rmse(found, "activation")
@@ -215,7 +219,7 @@ def test_the_mirror_image_has_its_muscles_swapped(short: Recording) -> None:
     mirrored = dataclasses.replace(
         short, position=pair.C - short.position, force_1=short.force_2, force_2=short.force_1
     )
-    before, after = estimate(short, pair, EVERY), estimate(mirrored, pair, EVERY)
+    before, after = estimate(short, pair, ALL), estimate(mirrored, pair, ALL)
     # the adaptive laws jump; what is left of a rounding error is larger there
     np.testing.assert_allclose(after.activation_hat[..., ::-1], before.activation_hat, atol=1e-6)
     np.testing.assert_allclose(after.velocity_hat, -before.velocity_hat, atol=1e-7)
@@ -229,10 +233,10 @@ def test_when_it_began_does_not_matter(short: Recording) -> None:
 
 
 def test_observers_do_not_see_each_other_nor_how_much_is_kept(noisy: xr.Dataset) -> None:
-    alone = estimate(SHIPPED, MUSCLES, "sliding_mode", every=7)
+    alone = estimate(SHIPPED, MUSCLES, "sliding_mode", keep_every=7)
     for name in alone.data_vars:
         whole = noisy[name].sel(observer=["sliding_mode"]) if "observer" in noisy[name].dims else noisy[name]
-        xr.testing.assert_identical(alone[name], whole.isel(time=slice(None, None, 7)))
+        xr.testing.assert_identical(alone[name], whole.isel(time=slice(None, None, 7), missing_dims="ignore"))
     assert alone.sizes["time"] == 286
     assert "estimates are kept of every 7th sample" in list(notes(alone))
 
@@ -241,25 +245,30 @@ def test_observers_do_not_see_each_other_nor_how_much_is_kept(noisy: xr.Dataset)
 def test_pieces_change_no_bit(short: Recording, chunk: int, monkeypatch: pytest.MonkeyPatch) -> None:
     uneven = part(short, np.flatnonzero(np.arange(300) % 7 < 5))
     told: list[float] = []
-    whole = estimate(uneven, MUSCLES, "sliding_mode", every=3)
+    whole = estimate(uneven, MUSCLES, "sliding_mode", keep_every=3)
     monkeypatch.setattr(follow, "_CHUNK", chunk)
-    xr.testing.assert_identical(estimate(uneven, MUSCLES, "sliding_mode", every=3, progress=told.append), whole)
+    xr.testing.assert_identical(estimate(uneven, MUSCLES, "sliding_mode", keep_every=3, progress=told.append), whole)
     assert told == sorted(told)
     assert told[-1] == 1
 
 
-def test_progress_rises_to_1_over_all_observers(short: Recording) -> None:
+def test_progress_rises_to_1_over_reading_and_all_observers(short: Recording) -> None:
     told: list[float] = []
     estimate(short, MUSCLES, progress=told.append)
     assert told == sorted(told)
     assert (told[0] > 0, told[-1], len(told)) == (True, 1, 3)
+    told.clear()
+    estimate(SHIPPED, MUSCLES, progress=told.append)
+    assert told == sorted(told)
+    # the file is the first of four parts
+    assert (told[0] <= 0.25, 0.25 in told, told[-1]) == (True, True, 1)
 
 
 def test_samples_may_come_unevenly(noisy: xr.Dataset) -> None:
     """Two of seven missing, steps of 5, 10 and 15 ms: stable, and hardly worse."""
     whole = read_recording(SHIPPED)
     which = np.flatnonzero(~np.isin(np.arange(len(whole)) % 14, (2, 5, 6, 10)))
-    found = estimate(part(whole, which, true={k: v[which] for k, v in whole.true.items()}), MUSCLES, EVERY)
+    found = estimate(part(whole, which, true={k: v[which] for k, v in whole.true.items()}), MUSCLES, ALL)
     for name, error in rmse(found, "activation").items():
         assert error < 1.3 * rmse(noisy, "activation")[name], name
     assert "some after 15 ms" in next(notes(found))
@@ -271,7 +280,7 @@ def test_samples_may_come_unevenly(noisy: xr.Dataset) -> None:
 def test_what_is_written_is_read_back(noisy: xr.Dataset, command: Callable[..., tuple[int, str, str]]) -> None:
     before = hashlib.sha256(SHIPPED.read_bytes()).digest()
     arguments = ["estimate", str(SHIPPED), "--muscles", str(MUSCLES), "--no-figures"]
-    code, out, err = command(*arguments, *itertools.chain(*(("--observer", name) for name in EVERY)))
+    code, out, err = command(*arguments, *itertools.chain(*(("--observer", name) for name in ALL)))
     assert (code, err) == (0, "")
     assert hashlib.sha256(SHIPPED.read_bytes()).digest() == before
     folder = Path("estimates")
@@ -279,14 +288,14 @@ def test_what_is_written_is_read_back(noisy: xr.Dataset, command: Callable[..., 
         "estimates.csv",
         "estimates.nc",
         "scores.csv",
-        *(f"estimates-{name}.sto" for name in EVERY),
+        *(f"estimates-{name}.sto" for name in ALL),
     ]
     assert sorted(path.name for path in folder.iterdir()) == sorted(names)
     assert all(name in out for name in names)
     read = load(folder / "estimates.nc")
     xr.testing.assert_identical(read, noisy)
     plain = {f"{q}_{j}" for q in ESTIMATED[3:] for j in (1, 2)} | {"velocity", "disturbance"}
-    for name in EVERY:
+    for name in ALL:
         units = {q: noisy[f"{q.rstrip('_12')}_hat"].attrs["units"] for q in (*plain, "position")}
         labels = {q: f"{name}.{q}_hat" + (f" [{unit}]" if unit != "1" else "") for q, unit in units.items()}
         for found in (
@@ -347,13 +356,156 @@ def test_the_sheet_shows_errors_where_the_truth_is_known(noisy: xr.Dataset) -> N
     assert all(axes.collections for axes in estimate_sheet(bridged).axes)
 
 
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        {},
+        {"observers": "high_gain_3", "corrected": False, "keep_every": 3},
+        {"changes": {"high_gain.eps_h": 1 / 3, "sliding_mode.tau_c": 0.2}, "mapping": {"position": "position"}},
+    ],
+)
+def test_a_result_is_repeated_from_its_own_file(arguments: dict[str, object], tmp_path: Path) -> None:
+    once = estimate(SHIPPED, MUSCLES, **arguments)
+    save_netcdf(once, tmp_path / "x.nc")
+    xr.testing.assert_identical(estimate(SHIPPED, **again(load(tmp_path / "x.nc"))), once)
+
+
+@pytest.mark.parametrize("first", ["tables.csv", "thelen2003"])
+def test_the_curves_of_unlike_muscles_are_in_the_file_too(
+    first: str, unlike: tuple[Path, Path], tmp_path: Path
+) -> None:
+    (tmp_path / "tables.csv").write_bytes((DATA / "curves_millard_tables.csv").read_bytes())
+    muscles = tmp_path / "muscles.toml"
+    muscles.write_text(UNLIKE.replace("degroote_fregly2016", first))
+    once = estimate(unlike[0], muscles, "sliding_mode")
+    save_netcdf(once, tmp_path / "x.nc")
+    for path in (tmp_path / "tables.csv", muscles):
+        path.unlink()
+    xr.testing.assert_identical(estimate(unlike[0], **again(load(tmp_path / "x.nc"))), once)
+
+
+def test_the_muscles_of_a_result_are_told_in_SI(noisy: xr.Dataset) -> None:
+    muscles = json.loads(str(noisy.muscle_file.values))
+    assert (muscles["mass"], muscles["C"]) == (20.0, 0.62)
+    assert muscles["muscle2"] == {
+        "curves": "degroote_fregly2016",
+        "F_max": 1000.0,
+        "optimal_fibre_length": 0.1,
+        "tendon_slack_length": 0.2,
+        "v_max": 10.0,
+        **read_muscles(MUSCLES).muscle2.numbers,
+    }
+
+
+def test_what_an_earlier_run_has_left_does_not_pass_for_the_new_result(
+    noisy: xr.Dataset, short: Recording, tmp_path: Path
+) -> None:
+    users = {
+        "estimates-mine.sto": "estimates of mine\n",
+        "estimates-yours.sto": "estimates of mine from elsewhere\n",
+        "estimates.mot": "estimates of high_gain from elsewhere\n",
+        "notes.txt": "",
+    }
+    for name, text in users.items():
+        (tmp_path / name).write_text(text)
+    (tmp_path / "estimates-folder.sto").mkdir()
+    save_estimates(noisy, scores(noisy), tmp_path)
+    assert (tmp_path / "scores.csv").exists()
+    assert (tmp_path / "estimates-sliding_mode.sto").exists()
+    found = estimate(short, MUSCLES, ["high_gain", "high_gain_3"])
+    written = save_estimates(found, scores(found), tmp_path)
+    names = {"estimates.nc", "estimates.csv", "estimates-high_gain.sto", "estimates-high_gain_3.sto"}
+    assert {path.name for path in written} == names
+    assert {path.name for path in tmp_path.iterdir()} == {*names, *users, "estimates-folder.sto"}
+    save_estimates(found.sel(observer=["high_gain"]), [], tmp_path)
+    assert not (tmp_path / "estimates-high_gain.sto").exists()
+    # scores that we have not written stay
+    (tmp_path / "scores.csv").write_text("observer,points\n")
+    save_estimates(found, [], tmp_path)
+    assert {path.name for path in tmp_path.iterdir()} == {*names, *users, "estimates-folder.sto", "scores.csv"}
+
+
+@pytest.mark.parametrize(
+    ("seconds", "sentence"),
+    [
+        ((0.052, 9.04, 0.0312), "read in 0.05 s, observers built in 9.04 s, followed in 0.03 s: 16 µs a sample"),
+        ((12.3, 36.2, 1712.0), "read in 12 s, observers built in 36 s, followed in 1,712 s: 855,572 µs a sample"),
+        ((0.0, 0.0, 0.0), "read in 0.00 s, observers built in 0.00 s, followed in 0.00 s: 0.0 µs a sample"),
+    ],
+)
+def test_times_are_told_without_powers_of_ten(
+    seconds: tuple[float, float, float], sentence: str, noisy: xr.Dataset
+) -> None:
+    assert timing(noisy, *seconds) == sentence
+
+
+def test_observers_are_built_before_they_are_needed(short: Recording, monkeypatch: pytest.MonkeyPatch) -> None:
+    compile_observers(read_muscles(MUSCLES), "high_gain")
+    monkeypatch.setattr(filters, "load", lambda *arguments: pytest.fail("compiled"))
+    estimate(short, MUSCLES, "high_gain")
+
+
+# an observer of one's own
+
+
+def test_a_users_own_observer_follows_a_recording(short: Recording) -> None:
+    mine = double_pole("mine")
+    # as fast as this both take one step from sample to sample, 0.05 in τ
+    by_hand = {"mine.rate": 10, "high_gain.eps_h": 0.1, "high_gain.eps_L": 0.1}
+    found = estimate(short, MUSCLES, ["high_gain", mine], changes=by_hand)
+    assert json.loads(found.attrs["substeps"]) == {"high_gain": 1, "mine": 1}
+    for name in ("position", "velocity", "fibre_length", "fibre_velocity", "activation"):
+        ours, own = (found[f"{name}_hat"].sel(observer=observer).values for observer in ("high_gain", "mine"))
+        np.testing.assert_allclose(own, ours, rtol=1e-9, atol=1e-10)
+    assert next(line for line in notes(found) if line.startswith("mine")).endswith("sample; rate = 10")
+
+
+def test_a_users_own_observer_has_its_defaults_and_steps_of_its_eigenvalues(short: Recording) -> None:
+    mine = double_pole("mine")
+    found = estimate(short, MUSCLES, mine)
+    assert json.loads(found.attrs["gains"]) == {"mine": {}}
+    assert "mine: 1 step from sample to sample" in list(notes(found))
+    # its triple pole, 0.05 · rate/2.5
+    fast = estimate(short, MUSCLES, mine, changes={"mine.rate": 200.0})
+    assert json.loads(fast.attrs["substeps"]) == {"mine": 5}
+    with pytest.raises(
+        ScenarioError, match=r"the gains of mine are too fast for samples 0.05 apart: they ask for 1e\+"
+    ):
+        estimate(short, MUSCLES, mine, changes={"mine.rate": 5e7})
+
+
+def test_an_observer_that_estimates_activations_itself_has_no_limits(short: Recording) -> None:
+    plain = double_pole("mine")
+    a = Symbols(a1_hat=ca.SX(0.25), a2_hat=ca.SX(0.5))
+    found = estimate(short, MUSCLES, dataclasses.replace(plain, y=Symbols({**plain.y, **a})))
+    assert (found.activation_hat == [0.25, 0.5]).all()
+    assert not found.activation_limited.any()
+
+
+@pytest.mark.parametrize("name", ["high_gain", "plant", "initial", "muscle1", "lengths", "tendons"])
+def test_a_name_that_is_taken_is_refused(name: str, short: Recording) -> None:
+    with pytest.raises(ScenarioError, match=f"the name '{name}' is taken; give your observer another one"):
+        estimate(short, MUSCLES, double_pole(name))
+
+
+def test_a_users_own_observer_that_no_recording_can_move_is_refused(short: Recording) -> None:
+    mine = double_pole("mine")
+    counting = symbols("n")
+    counter = dataclasses.replace(mine, x=Symbols({**mine.x, **counting}), per_step=Symbols(n=counting.n + 1))
+    with pytest.raises(ScenarioError, match="mine moves at the points of a time grid, and a recording has none"):
+        estimate(short, MUSCLES, counter)
+    with pytest.raises(ScenarioError, match="two observers are called 'mine'; give one another name"):
+        estimate(short, MUSCLES, [mine, double_pole("mine")])
+    assert estimate(short, MUSCLES, [mine, mine]).sizes["observer"] == 1
+
+
 # what a recording lacks
 
 
 def test_short_gaps_are_bridged_and_told(short: Recording) -> None:
     force = short.force_1.copy()
     force[100:110] = np.nan
-    found = estimate(dataclasses.replace(short, force_1=force), MUSCLES, EVERY)
+    found = estimate(dataclasses.replace(short, force_1=force), MUSCLES, ALL)
     assert np.flatnonzero(found.bridged).tolist() == list(range(100, 110))
     np.testing.assert_allclose(found.force[100:110, 0], np.interp(np.arange(10), [-1, 10], short.force_1[[99, 110]]))
     told = list(notes(found))
@@ -361,7 +513,7 @@ def test_short_gaps_are_bridged_and_told(short: Recording) -> None:
     assert "force_1 has no value in 10 of 300 rows: 102–111" in told
     # the bridge is what a straight line would have been
     straight = dataclasses.replace(short, force_1=found.force[:, 0].values)
-    np.testing.assert_array_equal(estimate(straight, MUSCLES, EVERY).activation_hat, found.activation_hat)
+    np.testing.assert_array_equal(estimate(straight, MUSCLES, ALL).activation_hat, found.activation_hat)
 
 
 @pytest.mark.parametrize(
@@ -412,14 +564,14 @@ def test_missing_rows_and_slow_sampling_are_refused(short: Recording) -> None:
     # slower muscles, rarer samples
     pair = read_muscles(MUSCLES)
     muscle = dataclasses.replace(pair.muscle1, v_max=0.5)
-    found = estimate(slow, dataclasses.replace(pair, muscle1=muscle, muscle2=muscle, mass=8000.0), EVERY)
+    found = estimate(slow, dataclasses.replace(pair, muscle1=muscle, muscle2=muscle, mass=8000.0), ALL)
     assert np.isfinite(found.activation_hat).all()
 
 
 def test_one_row_is_too_few_and_two_will_do(short: Recording) -> None:
     assert refusal(part(short, slice(0, 1))) == "has one row of numbers; observers need two or more"
     for n in (2, 3, 49, 50, 51):
-        found = estimate(part(short, slice(0, n)), MUSCLES, EVERY)
+        found = estimate(part(short, slice(0, n)), MUSCLES, ALL)
         assert found.sizes == {"observer": 4, "time": n, "muscle": 2}
         assert np.isfinite(found.activation_hat).all()
         assert not scores(found)
@@ -485,14 +637,14 @@ def test_wrong_gains_are_sentences(changes: Mapping[str, float], sentence: str, 
 
 
 def test_what_cannot_be_is_a_sentence(short: Recording) -> None:
-    with pytest.raises(ScenarioError, match=r"unknown observer 'kalman'; there are high_gain, high_gain_3, sliding"):
+    with pytest.raises(ScenarioError, match=r"unknown observer 'kalman'; there are high_gain, sliding_mode, adaptive"):
         estimate(short, MUSCLES, ["high_gain", "kalman"])
-    with pytest.raises(ScenarioError, match="every must be at least 1, not 0"):
-        estimate(short, MUSCLES, every=0)
+    with pytest.raises(ScenarioError, match="keep_every must be at least 1, not 0"):
+        estimate(short, MUSCLES, keep_every=0)
     many = dataclasses.replace(short, time=np.broadcast_to(0.0, 10**7))
     with pytest.raises(ScenarioError, match=r"10,000,000 samples make .* keep every 6th \(--every 6\) or fewer"):
         estimate(many, MUSCLES)
-    assert estimate(short, MUSCLES).observer.values.tolist() == list(DEFAULT_OBSERVERS)
+    assert estimate(short, MUSCLES).observer.values.tolist() == list(PAPER)
     assert estimate(short, MUSCLES, ["high_gain", "high_gain"]).sizes["observer"] == 1
 
 
@@ -554,7 +706,7 @@ def test_whatever_was_recorded_there_is_a_result_or_one_sentence(
     recording = Recording("any.csv", np.cumsum(steps), position, force_1, force_2, {}, np.arange(len(rows)) + 2)
     told = ""
     try:
-        found = estimate(recording, MUSCLES, EVERY)
+        found = estimate(recording, MUSCLES, ALL)
         assert len(list(notes(found))) >= 5
         a = found.activation_hat.values
         assert (np.isnan(a) | ((a >= 0) & (a <= 1))).all()

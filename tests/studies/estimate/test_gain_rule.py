@@ -3,6 +3,7 @@
 import dataclasses
 import functools
 import math
+from collections.abc import Mapping
 
 import casadi as ca
 import numpy as np
@@ -13,19 +14,21 @@ from scipy.signal import butter, lfilter
 
 from hillobs.codegen.bank import Bank
 from hillobs.codegen.filters import CompiledBank
-from hillobs.model.block import Block, Parameters, Symbols, symbols
-from hillobs.observers import FOLLOWERS
+from hillobs.model.block import Block, Parameter, Symbols, symbols
+from hillobs.observers import OBSERVERS, Observer
 from hillobs.observers.adaptive_sliding_mode import PARAMETERS as ADAPTIVE
-from hillobs.studies.estimate.first_pass import Sizes, first_pass
-from hillobs.studies.estimate.gains import gains
+from hillobs.observers.observer import Sizes
+from hillobs.studies.estimate.first_pass import first_pass
 from hillobs.studies.estimate.noise import despiked, noise
 from hillobs.studies.estimate.substeps import substeps
 from hillobs.studies.estimate.timescales import smoothed, twice_integrated
 from hillobs.studies.files.errors import ScenarioError
+from hillobs.studies.scenarios.paths import table
 from places import DATA
 
 EXCERPT = DATA / "gains_dgf_random_noisy.csv"
 SIGMA = (1e-3, 4e-4, 4e-4)
+SLIDING = ("sliding_mode", "adaptive_sliding_mode")
 # amplitudes and frequencies of Δ_Φ, u₁, u₂, each a sum of sines
 MOTION = {
     "Delta": ((0.1, 0.5), (0.05, 0.9)),
@@ -178,8 +181,15 @@ def test_a_long_recording_is_judged_by_its_blocks() -> None:
 
 
 @functools.cache
-def described(observer: str) -> Parameters:
-    return FOLLOWERS[observer](True).parameters
+def block_of(observer: str) -> Block:
+    return OBSERVERS[observer].block(corrected=True)
+
+
+def steps(observer: str, given: Mapping[str, float], T: float) -> int:
+    """Substeps with these numbers (name → value), whatever shares one of them, and defaults."""
+    block = block_of(observer)
+    values = table([block]).values(block, {f"{observer}.{name}": value for name, value in given.items()})
+    return substeps(OBSERVERS[observer], block, dict(zip(block.p, values, strict=True)), {}, T)
 
 
 def assert_sane(sizes: Sizes, T: float) -> None:
@@ -187,14 +197,12 @@ def assert_sane(sizes: Sizes, T: float) -> None:
     for eps, slowest in ((sizes.eps_1, 0.5), (sizes.eps_L, 0.3), (sizes.eps_L3, 0.3)):
         assert 0.7 * T * (1 - 1e-9) <= eps <= max(slowest, 0.7 * T) * (1 + 1e-9)
     for observer, most in (("high_gain", 2), ("high_gain_3", 2), ("sliding_mode", 10), ("adaptive_sliding_mode", 10)):
-        parameters = described(observer)
-        found = gains(observer, sizes, T)
-        for path, value in found.items():
-            name = path.removeprefix(f"{observer}.")
-            assert math.isfinite(value), path
-            assert value > 0, path
-            assert not parameters[name].objection(value), path
-        assert 1 <= substeps(observer, found, T) <= most
+        found = OBSERVERS[observer].gains(sizes, T)
+        for name, value in found.items():
+            assert math.isfinite(value), name
+            assert value > 0, name
+            assert not block_of(observer).parameters[name].objection(value), name
+        assert 1 <= steps(observer, found, T) <= most
 
 
 @settings(max_examples=40)
@@ -252,22 +260,22 @@ def test_wild_samples_do_not_move_the_gains() -> None:
 
 def test_the_sliding_observers_share_one_layer() -> None:
     sizes = first_pass(*recorded()[0], 0.05)
-    plain, adaptive = gains("sliding_mode", sizes, 0.05), gains("adaptive_sliding_mode", sizes, 0.05)
-    l0 = adaptive["adaptive_sliding_mode.l0"]
-    assert plain["sliding_mode.alpha11"] == pytest.approx(ADAPTIVE["beta0"].default * l0)
-    assert plain["sliding_mode.lambda11"] == pytest.approx(ADAPTIVE["alpha0"].default * math.sqrt(l0))
+    plain, adaptive = (OBSERVERS[name].gains(sizes, 0.05) for name in SLIDING)
+    l0 = adaptive["l0"]
+    assert plain["alpha11"] == pytest.approx(ADAPTIVE["beta0"].default * l0)
+    assert plain["lambda11"] == pytest.approx(ADAPTIVE["alpha0"].default * math.sqrt(l0))
     for one, other in (("delta_s", "delta_1"), ("tau_s", "tau_a"), ("tau_c", "tau_c")):
-        assert plain[f"sliding_mode.{one}"] == adaptive[f"adaptive_sliding_mode.{other}"]
+        assert plain[one] == adaptive[other]
 
 
 def test_larger_unknown_inputs_raise_the_levels() -> None:
     sizes = first_pass(*recorded()[0], 0.05)
     larger = dataclasses.replace(sizes, **{name: 10 * getattr(sizes, name) for name in ("D", "D_max", "U", "U_max")})
     for one in (sizes, larger):
-        plain, adaptive = gains("sliding_mode", one, 0.05), gains("adaptive_sliding_mode", one, 0.05)
-        assert plain["sliding_mode.alpha11"] >= 2.5 * one.D_max
-        assert plain["sliding_mode.alpha2"] >= 1.5 * one.U_max
-        assert adaptive["adaptive_sliding_mode.k_max"] >= 1.5 * one.U_max
+        plain, adaptive = (OBSERVERS[name].gains(one, 0.05) for name in SLIDING)
+        assert plain["alpha11"] >= 2.5 * one.D_max
+        assert plain["alpha2"] >= 1.5 * one.U_max
+        assert adaptive["k_max"] >= 1.5 * one.U_max
 
 
 # substeps
@@ -289,36 +297,67 @@ def test_with_any_stable_injections_the_steps_of_the_high_gain_observer_are_stab
     poles = np.array([complex(-pair[0], pair[1]), complex(-pair[0], -pair[1]), -real])
     h11, h12, h13 = np.poly(poles)[1:].real
     given = {"h11": h11, "h12": h12, "h13": h13, "eps_h": eps, "eps_L": 10.0}
-    n = substeps("high_gain", {f"high_gain.{name}": value for name, value in given.items()}, T)
+    n = steps("high_gain", given, T)
     assert (rk4(poles / eps * T / n) < 1).all()
 
 
 def test_gains_by_hand_are_what_counts() -> None:
     T = 0.01
     # 1.1/0.01/2.5, with the second layer following the first
-    assert substeps("sliding_mode", {"sliding_mode.delta_s": 0.001}, T) == 5
-    assert substeps("sliding_mode", {"sliding_mode.delta_s": 0.001, "sliding_mode.delta_L": 0.1}, T) == 2
-    assert substeps("adaptive_sliding_mode", {}, T) == math.ceil((20 + 0.5) / 0.01 * T / 2.5)
-    assert substeps("high_gain", {"high_gain.eps_h": 0.001}, T) == math.ceil(T / 0.75e-3)
-    assert substeps("high_gain_3", {"high_gain_3.eps_L": 0.002}, T) == math.ceil(T / 1.5e-3)
+    assert steps("sliding_mode", {"delta_s": 0.001}, T) == 5
+    assert steps("sliding_mode", {"delta_s": 0.001, "delta_L": 0.1}, T) == 2
+    assert steps("adaptive_sliding_mode", {}, T) == math.ceil((20 + 0.5) / 0.01 * T / 2.5)
+    assert steps("high_gain", {"eps_h": 0.001}, T) == math.ceil(T / 0.75e-3)
+    assert steps("high_gain_3", {"eps_L": 0.002}, T) == math.ceil(T / 1.5e-3)
 
 
 @pytest.mark.parametrize(
     ("observer", "given", "words"),
     [
-        ("sliding_mode", {"sliding_mode.delta_L": 0.0}, "sliding_mode.delta_L = 0 has no fastest rate"),
-        ("sliding_mode", {"sliding_mode.tau_s": 1e-9}, "too fast for samples 0.01 apart"),
-        ("mine", {}, "no substep rule for 'mine', only for high_gain, "),
+        ("sliding_mode", {"delta_L": 0.0}, "sliding_mode.delta_L = 0 has no fastest rate"),
+        (
+            "adaptive_sliding_mode",
+            {"l0": 0.0, "delta_1": 0.0},
+            "l0 and adaptive_sliding_mode.delta_1 = 0 has no fastest",
+        ),
+        ("sliding_mode", {"tau_s": 1e-9}, "too fast for samples 0.01 apart"),
+        ("high_gain", {"eps_h": 5e-324}, "too fast for samples 0.01 apart: they ask for inf steps"),
     ],
 )
 def test_gains_that_no_steps_can_follow_are_refused(observer: str, given: dict[str, float], words: str) -> None:
     with pytest.raises(ScenarioError, match=words):
-        substeps(observer, given, 0.01)
+        steps(observer, given, 0.01)
 
 
-def test_an_observer_without_a_rule_is_refused() -> None:
-    with pytest.raises(ScenarioError, match="no gain rule for 'mine'"):
-        gains("mine", first_pass(*np.zeros((4, 5)), 0.1), 0.1)
+def linear(A: np.ndarray) -> Block:
+    """ẋ = A x, whose start depends on a number and on what is seen."""
+    x, u = symbols(f"x{i}" for i in range(len(A))), symbols("y1")
+    parameters = {"factor": Parameter(1.0, "of all rates", "this test")}
+    p = symbols(parameters)
+    dx = Symbols(zip(x, ca.vertsplit(p.factor * ca.DM(A) @ x.vector()), strict=True))
+    return Block("linear", x=x, u=u, p=p, parameters=parameters, dx=dx, x0=Symbols(x0=p.factor * u.y1))
+
+
+@pytest.mark.parametrize("rates", [(-3.0, -80.0), (-3.0, 2.0), (0.0, 0.0)])
+def test_an_observer_that_tells_no_rates_is_as_fast_as_its_largest_eigenvalue(rates: tuple[float, float]) -> None:
+    turn = np.array([[3.0, 1.0], [-1.0, 2.0]])
+    block = linear(turn @ np.diag(rates) @ np.linalg.inv(turn))
+    unregistered, T = Observer("mine", lambda: block), 0.1
+    for factor in (1.0, 7.0):
+        n = substeps(unregistered, block, {"factor": factor}, {"y1": 2.6}, T)
+        assert n == max(1, math.ceil(factor * max(map(abs, rates)) * T / 2.5 - 1e-6))
+    turning = linear(np.array([[0.0, 40.0], [-40.0, 0.0]]))
+    assert substeps(unregistered, turning, {"factor": 1.0}, {"y1": 2.6}, T) == 2
+
+
+def test_the_slope_where_it_starts_counts() -> None:
+    block = linear(-np.eye(1))
+    curved = dataclasses.replace(block, dx=Symbols(x0=-(block.x.x0**3)))
+    # ∂ẋ/∂x = −3x², x(0) = y₁
+    assert substeps(Observer("mine", lambda: curved), curved, {"factor": 1.0}, {"y1": 10.0}, 0.1) == 12
+    wild = dataclasses.replace(block, dx=Symbols(x0=ca.sqrt(block.x.x0)))
+    with pytest.raises(ScenarioError, match=r"linear are too fast .* nan steps"):
+        substeps(Observer("mine", lambda: wild), wild, {"factor": 1.0}, {"y1": -1.0}, 0.1)
 
 
 # observers with these gains
@@ -328,32 +367,31 @@ def test_an_observer_without_a_rule_is_refused() -> None:
 def followers() -> CompiledBank:
     u = symbols("z1 z2 acc")
     front = Block("told", u=u, y=Symbols(y2=ca.SX(0), y3=u.acc, L_S1=u.z1, L_S2=u.z2))
-    return CompiledBank(Bank(("y1", "z1", "z2", "acc"), front, None, tuple(f(True) for f in FOLLOWERS.values())))
+    return CompiledBank(Bank(("y1", "z1", "z2", "acc"), front, None, tuple(map(block_of, OBSERVERS))))
 
 
 def errors(observer: str, y: np.ndarray, truth: dict[str, np.ndarray], found: dict[str, float]) -> dict[str, float]:
     """RMSE over the last nine tenths."""
-    block = FOLLOWERS[observer](True)
-    numbers = {name: found.get(f"{observer}.{name}", about.default) for name, about in block.parameters.items()}
+    block = block_of(observer)
+    numbers = {name: found.get(name, about.default) for name, about in block.parameters.items()}
     starts = zip(("x1", "x3", "x4"), y[:3, 0], strict=True)
     numbers |= {"m": 1.0, **{f"initial.{name}_hat": value for name, value in starts}}
     t = np.arange(y.shape[1]) * 0.05
-    steps = substeps(observer, found, 0.05)
-    out = followers().follow(observer, list(numbers.values()), steps).samples(t, y.T).y
+    out = followers().follow(observer, list(numbers.values()), steps(observer, found, 0.05)).samples(t, y.T).y
     late = slice(len(t) // 10, None)
     return {name: rms((out[:, list(block.y).index(f"{name}_hat")] - signal)[late]) for name, signal in truth.items()}
 
 
 def test_no_other_width_is_much_better() -> None:
     y, truth = recorded()
-    rule = gains("high_gain", first_pass(*y, 0.05), 0.05)
+    rule = OBSERVERS["high_gain"].gains(first_pass(*y, 0.05), 0.05)
     here = errors("high_gain", y, truth, rule)
     for factor in (0.4, 0.7, 1.4, 2.5):
-        there = errors("high_gain", y, truth, {path: factor * value for path, value in rule.items()})
+        there = errors("high_gain", y, truth, {name: factor * value for name, value in rule.items()})
         for name in ("Delta", "u1", "u2"):
             assert here[name] < 1.15 * there[name], (factor, name)
     for factor in (0.3, 3.0):
-        there = errors("high_gain", y, truth, {path: factor * value for path, value in rule.items()})
+        there = errors("high_gain", y, truth, {name: factor * value for name, value in rule.items()})
         for name in ("Delta", "u1", "u2"):
             assert 1.3 * here[name] < there[name], (factor, name)
 
@@ -361,8 +399,8 @@ def test_no_other_width_is_much_better() -> None:
 def test_all_observers_are_about_as_good() -> None:
     y, truth = recorded()
     sizes = first_pass(*y, 0.05)
-    found = {observer: errors(observer, y, truth, gains(observer, sizes, 0.05)) for observer in FOLLOWERS}
-    for observer in FOLLOWERS:
+    found = {name: errors(name, y, truth, observer.gains(sizes, 0.05)) for name, observer in OBSERVERS.items()}
+    for observer in OBSERVERS:
         assert found[observer]["x2"] < 1.5 * found["high_gain"]["x2"] < 0.01, observer
         for name in ("u1", "u2"):
             assert found[observer][name] < 1.5 * found["high_gain"][name] < 0.05, observer
@@ -390,8 +428,8 @@ def test_the_gains_of_a_recording() -> None:
         "sliding_mode": {"lambda11": 2.405, "alpha11": 0.723, "alpha2": 1.1, "tau_s": 0.0747, "delta_L": 2.25e-3},
         "adaptive_sliding_mode": {"l0": 0.657, "eps_a0": 0.579, "k_max": 0.788, "delta_a": 0.025},
     }.items():
-        found = gains(observer, sizes, 0.05)
+        found = OBSERVERS[observer].gains(sizes, 0.05)
         for name, value in expected.items():
-            assert found[f"{observer}.{name}"] == pytest.approx(value, rel=0.15), name
+            assert found[name] == pytest.approx(value, rel=0.15), name
     # ∝ ε², so twice as far off
-    assert gains("sliding_mode", sizes, 0.05)["sliding_mode.delta_s"] == pytest.approx(0.0121, rel=0.3)
+    assert OBSERVERS["sliding_mode"].gains(sizes, 0.05)["delta_s"] == pytest.approx(0.0121, rel=0.3)

@@ -10,7 +10,7 @@ import xarray as xr
 from matplotlib.colors import to_hex
 
 from hillobs.model.symbols import QUANTITIES, SIGNALS, STATES, hat
-from hillobs.observers import OBSERVERS, label
+from hillobs.observers import OBSERVERS, PAPER, label
 from hillobs.studies.figures import style
 from hillobs.studies.figures.run import estimates, figures, save_figures
 from hillobs.studies.figures.views import series, start
@@ -82,8 +82,8 @@ def test_each_quantity_is_drawn_as_recorded(clean):
             for axes in panels(drawn[key], quantity):
                 np.testing.assert_array_equal(line(axes, "true").get_xdata(), clean.time)
                 np.testing.assert_array_equal(line(axes, "true").get_ydata(), series(clean, quantity))
-                assert len(axes.lines) == 1 + len(OBSERVERS)
-                for name in OBSERVERS:
+                assert len(axes.lines) == 1 + len(PAPER)
+                for name in PAPER:
                     estimate = series(clean, hat(quantity)).sel(observer=name)
                     np.testing.assert_array_equal(line(axes, name).get_ydata(), estimate)
 
@@ -107,8 +107,8 @@ def test_labels_are_symbols_and_there_is_one_legend(clean):
 
 
 def test_an_observer_keeps_its_colour_and_true_is_black_and_dashed(clean):
-    colours = {name: set() for name in OBSERVERS}
-    for chosen in (list(OBSERVERS), ["adaptive_sliding_mode"], ["sliding_mode", "high_gain"]):
+    colours = {name: set() for name in PAPER}
+    for chosen in (list(PAPER), ["adaptive_sliding_mode"], ["sliding_mode", "high_gain"]):
         for figure in list(figures(clean.sel(observer=chosen)).values())[2:]:
             for axes in figure.axes:
                 for name in chosen:
@@ -116,7 +116,7 @@ def test_an_observer_keeps_its_colour_and_true_is_black_and_dashed(clean):
                 assert line(axes, "true").get_color() == "black"
                 assert line(axes, "true").is_dashed()
     assert all(len(used) == 1 for used in colours.values())
-    assert len(set.union(*colours.values())) == len(OBSERVERS)
+    assert len(set.union(*colours.values())) == len(PAPER)
 
 
 def test_own_observers_take_the_next_colours():
@@ -201,7 +201,7 @@ def test_every_shape_is_drawn_without_a_warning(observers, changes):
     assert len(draw(simulate("paper-noisy", observers, changes))) == 5
 
 
-@pytest.mark.parametrize("observers", [list(OBSERVERS), ["high_gain"]])
+@pytest.mark.parametrize("observers", [list(PAPER), ["high_gain"]])
 def test_an_observer_that_fails_is_named_and_leaves_the_others_readable(clean, observers):
     figure = draw(failing(clean.sel(observer=observers), "high_gain", 4.0))["states"]
     assert legend(figure)[1] == r"HGO (fails at $\tau$ = 4)"

@@ -15,7 +15,7 @@ from hillobs.studies.files import tables as write_table
 from hillobs.studies.files.errors import ResultError
 from hillobs.studies.files.tables import Series, write_csv, write_sto
 from hillobs.studies.files.writing import write_pieces
-from hillobs.studies.laboratory.columns import OPENSIM, QUANTITIES
+from hillobs.studies.laboratory.columns import COLUMNS, OPENSIM
 from hillobs.studies.laboratory.recording import Recording, read_recording
 from hillobs.studies.laboratory.units import SI
 from places import DATA
@@ -31,13 +31,13 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def series(recording: Recording) -> list[Series]:
     """All columns of a recording, under our names."""
     inputs = {name: getattr(recording, name) for name in ("time", "position", "force_1", "force_2")}
-    return [Series(name, SI[QUANTITIES[name]].symbol, values) for name, values in {**inputs, **recording.true}.items()]
+    return [Series(name, SI[COLUMNS[name]].symbol, values) for name, values in {**inputs, **recording.true}.items()]
 
 
 @given(st.lists(st.tuples(*[st.floats(allow_infinity=False)] * 4), min_size=1, max_size=20))
 def test_every_finite_number_and_gap_reads_back_bit_for_bit(folder: Path, rows: list[tuple[float, ...]]) -> None:
     table = np.column_stack([np.arange(len(rows)) / 3, np.array(rows)])
-    columns = [Series(name, SI[QUANTITIES[name]].symbol, values) for name, values in zip(NAMES, table.T, strict=True)]
+    columns = [Series(name, SI[COLUMNS[name]].symbol, values) for name, values in zip(NAMES, table.T, strict=True)]
     write_csv(folder / "x.csv", columns)
     write_sto(folder / "x.sto", "title", columns)
     for name in ("x.csv", "x.sto"):

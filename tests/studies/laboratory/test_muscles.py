@@ -1,6 +1,7 @@
 """The muscle file: what it must hold, what it means without dimensions, and the way back."""
 
 import copy
+import json
 import math
 import re
 import tomllib
@@ -17,7 +18,7 @@ from hypothesis import strategies as st
 from hillobs.model.block import Parameter
 from hillobs.model.curves import CURVES, NGUYEN2019
 from hillobs.studies.files.errors import ScenarioError
-from hillobs.studies.laboratory.muscles import SCALED, MusclePair, muscle_pair, read_muscles
+from hillobs.studies.laboratory.muscles import SCALED, MusclePair, muscle_file, muscle_pair, read_muscles
 from hillobs.studies.laboratory.scales import scales
 from hillobs.studies.scenarios.loops import full_table
 from places import DOCS, RECORDINGS
@@ -56,6 +57,61 @@ damping = 0.1
 
 def document() -> dict[str, Any]:
     return tomllib.loads(TEXT)
+
+
+@pytest.mark.parametrize("name", [*SETS, "inline"])
+def test_a_pair_as_a_muscle_file_is_the_same_pair(name: str) -> None:
+    content = tomllib.loads((RECORDINGS / f"{name}.toml").read_text()) if name in SETS else document()
+    if name == "inline":
+        content["muscle1"] = {"curves": tables()}
+        content["muscle"]["curves"] = "degroote_fregly2016"
+    pair = muscle_pair(content)
+    text = json.dumps(muscle_file(pair))
+    # as text and back no number loses a bit
+    assert muscle_pair(json.loads(text)) == pair
+    assert json.dumps(muscle_file(muscle_pair(json.loads(text)))) == text
+
+
+def tables() -> dict[str, Any]:
+    """A tendon, a passive fibre, a hill and a force factor, in own units."""
+    x = [i / 10 for i in range(21)]
+    return {
+        "tendon_force_length": [[1 + v / 20, v] for v in x],
+        "passive_force_length": [[v, max(0.0, v - 1)] for v in x],
+        "active_force_length": [[v, max(0.0, 1 - 4 * (v - 1) ** 2)] for v in x],
+        "force_velocity": [[v - 1, v] for v in x],
+    }
+
+
+def test_tables_in_a_muscle_file_are_those_of_a_file_of_curves(tmp_path: Path) -> None:
+    rows = [f"{curve},{x!r},{y!r}" for curve, points in tables().items() for x, y in points]
+    (tmp_path / "curves.csv").write_text("curve,x,y\n" + "\n".join(rows) + "\n")
+    inline, beside = document(), document()
+    inline["muscle"]["curves"], beside["muscle"]["curves"] = tables(), "curves.csv"
+    for content in (inline, beside):
+        del content["muscle2"]["damping"]
+    assert muscle_pair(inline) == muscle_pair(beside, tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        ({"force_velocity": None}, "must have the tables tendon_force_length, passive_force_length, active_force_"),
+        ({"force": [[0, 1]]}, "must have the tables tendon_force_length"),
+        ({"force_velocity": 3}, "tables must be lists of points [x, y]"),
+        ({"force_velocity": [[0, 1, 2]]}, "tables must be lists of points [x, y]"),
+        ({"force_velocity": [[0, "1"]]}, "tables must be lists of points [x, y]"),
+        ({"force_velocity": [[0, True]]}, "tables must be lists of points [x, y]"),
+        ({"force_velocity": [[0, 1]]}, "force_velocity: has 1 points; a curve needs 4 to 5,000"),
+        ({"force_velocity": [[math.nan, 1]] * 4}, "force_velocity: point 1, (nan, 1), must be two numbers within"),
+    ],
+)
+def test_wrong_tables_in_a_muscle_file_are_sentences(change: dict[str, Any], sentence: str) -> None:
+    content = document()
+    content["muscle"]["curves"] = {name: points for name, points in (tables() | change).items() if points is not None}
+    with pytest.raises(ScenarioError) as caught:
+        muscle_pair(content)
+    assert str(caught.value).startswith(f"muscle.curves: {sentence}")
 
 
 def pair_of(text: str = TEXT) -> MusclePair:

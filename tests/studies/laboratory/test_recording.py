@@ -18,10 +18,10 @@ from hypothesis import strategies as st
 
 from hillobs.studies.files.errors import RecordingError
 from hillobs.studies.files.quote import ranges
-from hillobs.studies.laboratory import lines
-from hillobs.studies.laboratory.columns import OPENSIM, QUANTITIES, choose, name_and_unit
+from hillobs.studies.laboratory import lines, samples
+from hillobs.studies.laboratory.columns import COLUMNS, OPENSIM, choose, name_and_unit
 from hillobs.studies.laboratory.mapping import read_mapping
-from hillobs.studies.laboratory.recording import Recording, joined, read_chunks, read_recording
+from hillobs.studies.laboratory.recording import Recording, read_recording
 from hillobs.studies.laboratory.units import SI, UNITS
 from places import CORPUS, DATA, RECORDINGS
 
@@ -68,7 +68,7 @@ def test_public_recordings_read_right(name: str) -> None:
     true = found.true
     assert len(found) == 101
     assert found.time.dtype == np.float64
-    assert set(true) == set(QUANTITIES) - {"time", "position", "force_1", "force_2"} - {
+    assert set(true) == set(COLUMNS) - {"time", "position", "force_1", "force_2"} - {
         f"{key}_measured" for key in ("position", "force_1", "force_2")
     }
     np.testing.assert_allclose(found.time, np.arange(101) / 10, atol=1e-12)
@@ -270,12 +270,11 @@ def test_time_that_does_not_rise_is_refused(rows: str, sentence: str, folder: Pa
 
 def test_repeated_rows_are_left_out_and_gaps_kept(folder: Path) -> None:
     text = HEAD + "\n0,1,2,3\n0,1,2,3\n0,1,2,3\n0.5,,2,nan\n0.5,,2,nan\n2,1,,3\n"
-    for size in (1, 2, 3, 100):
-        reading(folder, text)
-        chunks = list(read_chunks(folder / "file.csv", rows_per_chunk=size))
-        found = joined(chunks)
-        assert [len(chunk) for chunk in chunks[:-1]] == [size] * (len(chunks) - 1)
-        assert 0 < len(chunks[-1]) <= size
+    # blocks that end anywhere, also between a row and its repetition
+    for size in (8, 16, 30, 1000):
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(lines, "_BLOCK", size)
+            found = reading(folder, text)
         assert found.time.tolist() == [0, 0.5, 2]
         assert found.rows.tolist() == [2, 5, 7]
         assert found.repeated.tolist() == [3, 4, 6]
@@ -447,26 +446,49 @@ def test_an_sto_header_that_lies_is_a_remark(folder: Path) -> None:
     assert len(found) == 3
 
 
-def test_chunks_are_the_whole_and_memory_is_bounded(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(lines, "_BLOCK", 50_000)
+@pytest.fixture(scope="module")
+def long(folder: Path) -> tuple[Path, np.ndarray]:
+    """A file of 40,000 rows, and its numbers."""
     n = 40_000
-    values = np.random.default_rng(4).standard_normal((n, 3))
-    rows = (f"{i / 1000},{a:.6f},{b:.6f},{c:.6f}\n" for i, (a, b, c) in enumerate(values.tolist()))
-    (folder / "long.csv").write_text(HEAD + "\n" + "".join(rows))
-    whole = read_recording(folder / "long.csv")
+    values = np.column_stack([np.arange(n) / 1000, np.random.default_rng(4).standard_normal((n, 3)).round(6)])
+    (folder / "long.csv").write_text(HEAD + "\n" + "".join(f"{','.join(map(repr, row))}\n" for row in values.tolist()))
+    return folder / "long.csv", values
+
+
+def test_reading_a_long_file_tells_its_progress_and_takes_little_more_than_its_numbers(
+    long: tuple[Path, np.ndarray], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path, values = long
+    monkeypatch.setattr(lines, "_BLOCK", 50_000)
     done: list[float] = []
     tracemalloc.start()
-    count = 0
-    for chunk in read_chunks(folder / "long.csv", rows_per_chunk=1_000, progress=done.append):
-        assert np.array_equal(chunk.position, whole.position[count : count + len(chunk)])
-        count += len(chunk)
+    found = read_recording(path, progress=done.append)
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
-    assert count == len(whole) == n
-    assert whole.rows.tolist() == list(range(2, n + 2))
+    assert numbers(found).tobytes() == values.tobytes()
+    assert found.rows.tolist() == list(range(2, len(values) + 2))
     assert (done[-1], done) == (1.0, sorted(done))
-    # a few blocks as text and as numbers, not the file's 1.4 MB
-    assert peak < 700_000
+    assert len(done) > 20
+    # the blocks' numbers, the columns made of them, and a few blocks as text
+    assert peak < 2 * (values.nbytes + found.rows.nbytes) + 20 * 50_000
+
+
+def test_more_numbers_than_memory_should_hold_are_refused_before_they_are_kept(
+    long: tuple[Path, np.ndarray], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path, values = long
+    monkeypatch.setattr(lines, "_BLOCK", 50_000)
+    # time, three inputs and the row of the file
+    least = 5 * len(values)
+    monkeypatch.setattr(samples, "_MOST_NUMBERS", least)
+    assert len(read_recording(path)) == len(values)
+    monkeypatch.setattr(samples, "_MOST_NUMBERS", least // 10)
+    tracemalloc.start()
+    with pytest.raises(RecordingError, match=r"long\.csv: holds more than 20,000 numbers; cut it into parts"):
+        read_recording(path)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < values.nbytes
 
 
 @given(st.integers(40, 200), st.sampled_from(["\n", "\r\n", "\r"]))

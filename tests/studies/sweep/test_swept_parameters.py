@@ -9,6 +9,7 @@ from hillobs.codegen.batch import compile_loop
 from hillobs.model.arrays import Array
 from hillobs.model.pair import DRIVES
 from hillobs.model.symbols import QUANTITIES
+from hillobs.observers import OBSERVERS as REGISTERED
 from hillobs.observers.score import MEASURES
 from hillobs.studies.files.errors import ScenarioError
 from hillobs.studies.scenarios.loops import full_table
@@ -22,7 +23,7 @@ from hillobs.studies.sweep.run import sweep
 
 pytestmark = pytest.mark.numerics
 
-OBSERVERS = (BASELINE, "high_gain", "sliding_mode", "adaptive_sliding_mode")
+OBSERVERS = (BASELINE, *REGISTERED)
 # fibres long enough for Φ_P, forces that pretension holds, pulses, noise, and estimates that begin on both sides
 ACTIVE = {
     "duration": 0.4,
@@ -84,7 +85,7 @@ def same(one: Array, other: Array) -> bool:
 
 def alone(changes: Mapping[str, float | str]) -> Array:
     """(observers × measures × quantities) of a single run."""
-    found = simulate("challenge", None, changes).sel(estimator=list(OBSERVERS))
+    found = simulate("challenge", list(REGISTERED), changes).sel(estimator=list(OBSERVERS))
     return np.stack([found[measure].values for measure in MEASURES], axis=1)
 
 

@@ -1,0 +1,108 @@
+"""The boundary layers of both sliding mode observers: how fast they are, how wide for a recording, what they hide.
+
+In a layer of width δ a constant Δ_Φ holds e₁ off zero, and then x̂₂ is wrong by v₁₁ = λ|e₁|^½ sg(e₁), the injection that
+balances it; û₁ and û₂ inherit that. The errors e₁, e₃, e₄ are what the estimates of the measured lengths miss. All this
+can be low-passed and added to the estimates. The constants and what they were measured on: docs/gains.md.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import casadi as ca
+
+from ..model.block import Block, Parameter, Symbols, symbols
+from .observer import STABLE, Sizes
+
+CORRECTION = {
+    "tau_c": Parameter(0.1, "time constant of the low pass of the correction", "docs/gains.md", above=0),
+}
+
+# largest slope of |e|^½ e/(δ + |e|), times √δ
+SLOPE = 0.55
+
+# damping of e₁ inside its layer; bandwidth there over 1/ε₁
+_ZETA, _BANDWIDTH = 0.5, 1.25
+# α₁₁ over D_max: the paper's inequality has a solution above 2.16
+_LEVEL = 2.5
+# margin of what bounds u
+_MARGIN = 1.5
+# offset of a tendon's layer in parts of its noise; smallest rate there
+_OFFSET, _LEAST_RATE = 0.5, 25.0
+# most steps from sample to sample that the layers of the tendons may ask for
+_MOST_STEPS = 10
+# the single pole filters of Δ̂, û over ε_L: the lag of the double pole; none faster than this part of T
+_FILTER, _FASTEST = 2.0, 0.5
+# below it noise of a tendon's length is none
+_NO_NOISE = 1e-12
+
+
+@dataclass(frozen=True)
+class Layers:
+    """What both observers share for a recording: the layer of e₁, the rates of those of e₃ and e₄, the filters."""
+
+    alpha: float  # α₁₁, or β₀l₀
+    delta: float  # width of the layer of e₁
+    largest: float  # what the injections into x̂₃, x̂₄ must outweigh
+    rate: float  # slope of these injections
+    filters: float
+    correction: float
+
+
+def layers(s: Sizes, T: float) -> Layers:
+    """The layers that follow from the sizes of a recording with the sampling period T."""
+    w = _BANDWIDTH / s.eps_1
+    # in the layer ë₁ + dė₁ + w²e₁ = Δ_Φ; e₁ is noise, and the offset that Δ_Φ leaves
+    e1 = math.hypot(s.sigma_1, s.D / w**2)
+    # damping ζ at e₁: δ₁ = 2e₁/ζ²;  α₁₁ = w²δ₁, at least 2.5 D_max
+    alpha = max(w**2 * 2 * e1 / _ZETA**2, _LEVEL * s.D_max)
+    delta = alpha / w**2
+
+    def missed(D: float) -> float:
+        """v₁₁ under a constant D: what x̂₂ lacks, and so what the tendons' layers see beside u."""
+        # e = δ₁D/(α₁₁ − D),  v₁₁ = λ₁₁√e e/(δ₁ + e)
+        e = delta * D / (alpha - D)
+        return injection(alpha) * math.sqrt(e) * e / (delta + e)
+
+    sigma_L = max(math.sqrt(s.sigma_L1 * s.sigma_L2), _NO_NOISE)
+    # r_L = u/(0.5 σ_L)
+    rate = max(math.hypot(s.U, missed(s.D)) / (_OFFSET * sigma_L), _LEAST_RATE)
+    return Layers(
+        alpha=alpha,
+        delta=delta,
+        largest=_MARGIN * (s.U_max + missed(s.D_max)),
+        rate=min(rate, _MOST_STEPS * STABLE / T),
+        filters=max(_FILTER * s.eps_L, _FASTEST * T),
+        correction=max(s.eps_1, _FASTEST * T),
+    )
+
+
+def injection(alpha: float) -> float:
+    """The λ₁₁ that goes with an α₁₁."""
+    # λ₁₁ = √(8α₁₁), as α₀ = 2√(2β₀)
+    return math.sqrt(8 * alpha)
+
+
+def layers_corrected(block: Block, v11: ca.SX, e1: ca.SX, e3: ca.SX, e4: ca.SX) -> Block:
+    """`block` with corrected outputs; v11, e1, e3, e4 are expressions in its symbols."""
+    x, p = symbols("c_2 c_1 c_3 c_4"), symbols(CORRECTION)
+    # τ_c ċ = −c + (v₁₁, e₁, e₃, e₄)
+    dx = {c: (value - x[c]) / p.tau_c for c, value in zip(x, (v11, e1, e3, e4), strict=True)}
+    # x̂ + (c₁, c₂, c₃, c₄),  û₁ − c₂,  û₂ + c₂
+    change = {"x1_hat": x.c_1, "x2_hat": x.c_2, "x3_hat": x.c_3, "x4_hat": x.c_4, "u1_hat": -x.c_2, "u2_hat": x.c_2}
+    y = {name: value + change.get(name, 0) for name, value in block.y.items()}
+    return replace(
+        block,
+        x=Symbols({**block.x, **x}),
+        p=Symbols({**block.p, **p}),
+        parameters={**block.parameters, **CORRECTION},
+        dx=Symbols({**block.dx, **dx}),
+        y=Symbols(y),
+    )
+
+
+def correction_rates(p: Symbols) -> Mapping[str, ca.SX]:
+    """The rate of the correction's low pass, if these are the parameters of a corrected observer."""
+    return {"1/τ_c": 1 / p.tau_c} if "tau_c" in p else {}

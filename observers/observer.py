@@ -1,0 +1,62 @@
+"""What an observer brings with it beside its equations: conditions, gains for a recording, and how fast it is."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import casadi as ca
+
+from ..model.block import Block, Symbols
+from .conditions import Condition, Conditions, below
+
+# RK4 is stable up to h · rate = 2.78 on the real axis; 10 % margin
+STABLE = 2.5
+
+
+@dataclass(frozen=True)
+class Sizes:
+    """How noisy, how fast and how large a recording is; lengths, forces and times in the paper's units."""
+
+    sigma_1: float  # noise of y₁
+    sigma_L1: float  # noise of the measured tendon lengths
+    sigma_L2: float
+    eps_1: float  # ε of the chain of x̂₁
+    eps_L: float  # ε of the chains of x̂₃ and x̂₄, of order 2
+    eps_L3: float  # the same, of order 3
+    D: float  # Δ_Φ, root mean square
+    D_max: float
+    U: float  # u₁ and u₂, root mean square
+    U_max: float
+
+
+# name → rate, symbolic in the observer's parameters
+Rates = Callable[[Symbols], Mapping[str, ca.SX]]
+# (sizes, sampling period) → name → value; what is not named keeps its default
+Gains = Callable[[Sizes, float], Mapping[str, float]]
+
+
+@dataclass(frozen=True)
+class Observer:
+    """What the registry knows of an observer; a Block alone is one without conditions, gain rule and known rates."""
+
+    label: str  # what tables and figures call it
+    build: Callable[[], Block]
+    theorem: Conditions = lambda p, facts: []
+    gains: Gains = lambda sizes, T: {}
+    rates: Rates | None = None  # its fastest; None: to be found from ∂ẋ/∂x
+    limit: float = STABLE  # largest h · rate of an RK4 step
+    corrected: Callable[[], Block] | None = None  # the same with its layers corrected; None: it has none
+
+    def block(self, corrected: bool) -> Block:
+        """The observer as it follows recordings: its layers, if it has any, `corrected` or not."""
+        return self.corrected() if corrected and self.corrected else self.build()
+
+    def conditions(self, p: Symbols, facts: Symbols) -> list[Condition]:
+        """What its theorem and the integration step h ask of the gains."""
+        rates = self.rates(p) if self.rates else {}
+        steps = [
+            below(f"h {name} < {self.limit:g} (integration)", facts.h * rate, self.limit)
+            for name, rate in rates.items()
+        ]
+        return [*self.theorem(p, facts), *steps]
