@@ -17,10 +17,10 @@ from ..files.quote import escaped
 from ..files.writing import writable_folder
 from ..laboratory.mapping import read_mapping
 from ..laboratory.muscles import read_muscles
+from ..laboratory.recording import read_recording
 from ..scenarios.layers import Value
 from .options import observer_option, set_option, whole_option
-from .reports.estimate import failures, notes, score_table
-from .reports.number import number
+from .reports.estimate import failures, notes, score_table, timing
 from .reports.written import written
 from .terminal import bar, complain, print_table
 
@@ -55,14 +55,18 @@ def estimate(
     folder = writable_folder(Path(out))
     refuse_overwriting((recording, muscles), folder)
     pair, mapping = read_muscles(muscles), read_mapping(maps)
-    with bar("reading and following") as progress:
+    begun = time.monotonic()
+    with bar("reading") as progress:
+        read = read_recording(recording, mapping, progress)
+    was_read = time.monotonic()
+    with bar("following") as progress:
         compile_observers(pair, observers or None, not uncorrected)
-        begun = time.monotonic()
-        dataset = estimated(recording, pair, observers or None, mapping, not uncorrected, changes, every, progress)
-    seconds, samples = time.monotonic() - begun, int(dataset.attrs["samples"])
+        built = time.monotonic()
+        dataset = estimated(read, pair, observers or None, None, not uncorrected, changes, every, progress)
+    followed = time.monotonic()
     for note in notes(dataset):
         click.echo(escaped(note))
-    click.echo(f"read and followed in {number(seconds)} s, {number(seconds / samples * 1e6)} µs a sample")
+    click.echo(timing(dataset, was_read - begun, built - was_read, followed - built))
     known = scores(dataset)
     if known:
         click.echo()
