@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import sys
 import time
 from pathlib import Path
@@ -55,18 +56,24 @@ def estimate(
     folder = writable_folder(Path(out))
     refuse_overwriting((recording, muscles), folder)
     pair, mapping = read_muscles(muscles), read_mapping(maps)
-    begun = time.monotonic()
+    times = [time.monotonic()]
     with bar("reading") as progress:
         read = read_recording(recording, mapping, progress)
-    was_read = time.monotonic()
+    times.append(time.monotonic())
     with bar("following") as progress:
         compile_observers(pair, observers or None, not uncorrected)
-        built = time.monotonic()
-        dataset = estimated(read, pair, observers or None, None, not uncorrected, changes, every, progress)
-    followed = time.monotonic()
+        # begin and end of following; what makes a Dataset of it imports half of dask
+        times += [time.monotonic()] * 2
+
+        def advance(done: float) -> None:
+            times[-1] = time.monotonic()
+            progress(done)
+
+        dataset = estimated(read, pair, observers or None, None, not uncorrected, changes, every, advance)
+    reading, building, following = (after - before for before, after in itertools.pairwise(times))
     for note in notes(dataset):
         click.echo(escaped(note))
-    click.echo(timing(dataset, was_read - begun, built - was_read, followed - built))
+    click.echo(timing(dataset, reading, building, following))
     known = scores(dataset)
     if known:
         click.echo()
