@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from .model.block import Block, BlockError, Parameter, Symbols, symbols
     from .model.errors import Error
     from .studies.conformance import conformance
+    from .studies.estimate.dataset import arguments
     from .studies.estimate.run import estimate
     from .studies.files.errors import ClusterError, RecordingError, ResultError, ScenarioError
     from .studies.files.netcdf import load
@@ -38,6 +39,7 @@ _NAMES = {
     ".model.block": ("Block", "BlockError", "Parameter", "Symbols", "symbols"),
     ".model.errors": ("Error",),
     ".studies.conformance": ("conformance",),
+    ".studies.estimate.dataset": ("arguments",),
     ".studies.estimate.run": ("estimate",),
     ".studies.files.errors": ("ClusterError", "RecordingError", "ResultError", "ScenarioError"),
     ".studies.files.netcdf": ("load",),
@@ -85,6 +87,7 @@ __all__ = [
     "SweepWarning",
     "Symbols",
     "__version__",
+    "arguments",
     "conformance",
     "estimate",
     "load",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import sys
 import time
 from pathlib import Path
@@ -17,10 +18,10 @@ from ..files.quote import escaped
 from ..files.writing import writable_folder
 from ..laboratory.mapping import read_mapping
 from ..laboratory.muscles import read_muscles
+from ..laboratory.recording import read_recording
 from ..scenarios.layers import Value
 from .options import observer_option, set_option, whole_option
-from .reports.estimate import failures, notes, score_table
-from .reports.number import number
+from .reports.estimate import failures, notes, score_table, timing
 from .reports.written import written
 from .terminal import bar, complain, print_table
 
@@ -55,14 +56,24 @@ def estimate(
     folder = writable_folder(Path(out))
     refuse_overwriting((recording, muscles), folder)
     pair, mapping = read_muscles(muscles), read_mapping(maps)
-    with bar("reading and following") as progress:
+    times = [time.monotonic()]
+    with bar("reading") as progress:
+        read = read_recording(recording, mapping, progress)
+    times.append(time.monotonic())
+    with bar("following") as progress:
         compile_observers(pair, observers or None, not uncorrected)
-        begun = time.monotonic()
-        dataset = estimated(recording, pair, observers or None, mapping, not uncorrected, changes, every, progress)
-    seconds, samples = time.monotonic() - begun, int(dataset.attrs["samples"])
+        # begin and end of following; what makes a Dataset of it imports half of dask
+        times += [time.monotonic()] * 2
+
+        def advance(done: float) -> None:
+            times[-1] = time.monotonic()
+            progress(done)
+
+        dataset = estimated(read, pair, observers or None, None, not uncorrected, changes, every, advance)
+    reading, building, following = (after - before for before, after in itertools.pairwise(times))
     for note in notes(dataset):
         click.echo(escaped(note))
-    click.echo(f"read and followed in {number(seconds)} s, {number(seconds / samples * 1e6)} µs a sample")
+    click.echo(timing(dataset, reading, building, following))
     known = scores(dataset)
     if known:
         click.echo()
