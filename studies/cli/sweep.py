@@ -71,7 +71,7 @@ def sweep(
         from ..sweep.plan import MANY_RUNS, plan
         from ..sweep.run import engine, sweep_planned
         from .pace import Pace
-        from .reports.sweep import notes, optimum
+        from .reports.sweep import notes, tables
 
         axes = dict(parse_axis(text) for text in over)
         if len(axes) < len(over):
@@ -109,7 +109,8 @@ def sweep(
                 raise ClusterError(f"{error}{_kept(out)}") from error
         for note in (*pace.sentences(), *notes(dataset)):
             click.echo(note)
-        print_table(optimum(dataset))
+        for table in tables(dataset):
+            print_table(table)
         if path is not None:
             click.echo(_written(dataset, path, no_figures))
     if dataset.failed_at.notnull().any() or dataset.plant_failed_at.notnull().any():

@@ -72,10 +72,8 @@ def _widened(values: Array, by: float = 0.0) -> Array:
 
 def _of_stretches(signal: Array, ends: NDArray[np.intp]) -> tuple[Array, Array]:
     """At each end the least and the largest of the stretches on both sides; what is no number does not count."""
-    least, largest = (pick.reduceat(signal, ends[:-1]) for pick in (np.fmin, np.fmax))
-    return np.fmin(np.r_[least[0], least], np.r_[least, least[-1]]), np.fmax(
-        np.r_[largest[0], largest], np.r_[largest, largest[-1]]
-    )
+    least, largest = (_widened(pick.reduceat(signal, ends[:-1])) for pick in (np.fmin, np.fmax))
+    return np.fmin(least[:-1], least[1:]), np.fmax(largest[:-1], largest[1:])
 
 
 def _extremes(values: Array) -> NDArray[np.intp]:

@@ -15,7 +15,7 @@ from ..scenarios.prepare import Prepared
 from ..simulate.dataset import about, repeatable
 from ..simulate.measures import KINDS
 from .causes import causes, flags
-from .conditions import swept_conditions
+from .conditions import Violated, by_point, sentences, swept_conditions
 from .plan import Plan
 
 
@@ -59,18 +59,19 @@ def sweep_dataset(wanted: Plan, numbers: Array, identity: str, compiled: Compile
     for path, values in zip(wanted.axes.paths, wanted.axes.values, strict=True):
         where = path if wanted.axes.kind == "grid" else "point"
         coordinates[path] = (where, values, _about_axis(wanted.prepared, path))
+    violated = _violated(wanted, compiled)
     attributes = {
         "title": f"hillobs: sweep of {wanted.prepared.scenario.name}",
         **repeatable(wanted.prepared),
         "kind": wanted.axes.kind,
         "axes": json.dumps(list(wanted.axes.paths)),
         "identity": identity,
-        "violated_conditions": json.dumps(_violated(wanted, compiled)),
+        "violated_conditions": json.dumps(sentences(wanted.axes, violated)),
         "library": compiled.path.stem,
         "baseline": baseline,
         "part": str(wanted.part),
     }
-    return xr.Dataset(data, coordinates, attributes)
+    return xr.Dataset(data, coordinates, attributes).assign(by_point(wanted.axes, violated))
 
 
 def _about_axis(prepared: Prepared, path: str) -> dict[str, object]:
@@ -81,7 +82,7 @@ def _about_axis(prepared: Prepared, path: str) -> dict[str, object]:
     return {**about(prepared.table.paths[members[0]].sentence), **own}
 
 
-def _violated(wanted: Plan, compiled: CompiledLoop) -> dict[str, list[str]]:
+def _violated(wanted: Plan, compiled: CompiledLoop) -> Violated:
     """The gain conditions that do not hold somewhere, with suprema from a run of the scenario itself."""
     prepared = wanted.prepared
     values = {block.name: prepared.table.values(block, prepared.scenario.given) for block in compiled.loop.blocks}

@@ -33,7 +33,7 @@ _FOLDER = Path("results")
 
 def main() -> None:
     """Run the sweeps, write their results and figures, print the optima."""
-    from ..reports.sweep import optimum
+    from ..reports.sweep import notes, tables
 
     with user_errors():
         folder = writable_folder(_FOLDER)
@@ -45,7 +45,10 @@ def main() -> None:
                 save_netcdf(dataset, folder / f"{name}-{suffix}.nc")
             write_figures({"trade-off": curves(noisy, _SHOWN, clean)}, folder, name)
             click.echo(f"{path}, {_SEEDS} seeds, with noise:")
-            print_table(optimum(noisy))
+            for note in notes(noisy):
+                click.echo(note)
+            for table in tables(noisy):
+                print_table(table)
         both = sweep("paper-noisy", _MAP, seeds=_MAP_SEEDS)
         save_netcdf(both, folder / "sweep-eps_h-noise.nc")
         write_figures(sweep_figures(both)[0], folder, "sweep-eps_h-noise")
