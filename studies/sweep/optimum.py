@@ -67,9 +67,10 @@ def varied(dataset: xr.Dataset) -> list[str]:
 
 def depends(dataset: xr.Dataset, observer: str) -> bool:
     """Whether what was swept changes any error of an observer."""
-    each = errors(dataset).sel(observer=observer)
+    each = dataset.rmse.sel(observer=observer)
     first = each.isel({dim: 0 for dim in each.dims if dim not in ("seed", "quantity")})
-    return not bool(((each == first) | (each.isnull() & first.isnull())).all())
+    # a run that failed has no number, which equals nothing
+    return not bool((each == first).all())
 
 
 def own(dataset: xr.Dataset, observer: str) -> list[str]:

@@ -103,8 +103,11 @@ def _heading(path: str) -> str:
 
 def _remark(found: Optimum) -> str:
     """Why an optimum may be none; the numbers are those of the notes."""
-    edge = [f"edge of {', '.join(path.partition('.')[2] for path in found.edges)}"] if found.edges else []
-    return ", ".join([*edge, *(f"({place + 1}) fails" for place in found.violated)])
+    words = [f"edge of {', '.join(path.partition('.')[2] for path in found.edges)}"] if found.edges else []
+    if found.violated:
+        numbers = " ".join(f"({place + 1})" for place in found.violated)
+        words.append(f"{numbers} fail{'s' if len(found.violated) == 1 else ''}")
+    return ", ".join(words)
 
 
 def _change(least: float, largest: float) -> str:
