@@ -29,6 +29,8 @@ INPUTS = ("Delta", "u1", "u2")
 ACTIVATIONS = ("a1", "a2")
 
 _ROW = 1.25  # inches
+# along the height of a row
+_NUMBERS = 5
 
 
 def figures(dataset: xr.Dataset) -> dict[str, Figure]:
@@ -94,6 +96,8 @@ def estimates(dataset: xr.Dataset, quantities: Sequence[str]) -> Figure:
     for quantity, row in zip(quantities, rows, strict=True):
         for axes, span, scale in zip(row, spans, scales[quantity] * len(spans), strict=False):
             axes.set_ylim(scale)
+            # as many whatever the height: else the layout and the width of the numbers chase each other
+            axes.yaxis.set_major_locator(MaxNLocator(_NUMBERS, steps=[1, 2, 2.5, 5, 10]))
             _set_time(axes, *span)
             bands |= _panel(axes, dataset, quantity)
         row[0].set_ylabel(SIGNALS[quantity].symbol, rotation=0, ha="right", va="center")
