@@ -26,7 +26,7 @@ from ..sweep.plan import MANY_RUNS, plan
 from ..sweep.run import engine, sweep_planned
 from .options import observer_option, over_option, scenario_argument, set_option, whole_option
 from .pace import Pace
-from .reports.sweep import notes, optimum
+from .reports.sweep import notes, tables
 from .terminal import bar, complain, counted, print_table
 
 _INTERRUPTED, _NUMERICAL = 128, 1
@@ -97,7 +97,8 @@ def sweep(
                 raise ClusterError(f"{error}{_kept(out)}") from error
         for note in (*pace.sentences(), *notes(dataset)):
             click.echo(escaped(note))
-        print_table(optimum(dataset))
+        for table in tables(dataset):
+            print_table(table)
         if path is not None:
             click.echo(_written(dataset, path, no_figures))
     if dataset.failed_at.notnull().any() or dataset.plant_failed_at.notnull().any():

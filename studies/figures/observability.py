@@ -149,11 +149,11 @@ def _force_panel(axes: Axes, question: Question, slack: float, end: float) -> No
         fits = lengths[np.abs(force - reading) <= noise]
         low, high = fits[0], fits[-1]
         middle, half = (low + high) / 2, (high - low) / 2
-        words = f"{middle:.4f} ± {half:.4f}" if low > lengths[0] else f"any length below {high:.4f}"
+        words = f"{middle:.4f} ± {half:.4f}" if low > lengths[0] else f"below {high:.4f}"
         axes.axvspan(low, high, color=colour, alpha=0.2, linewidth=0)
-        axes.axhline(reading, color=colour, linewidth=0.8)
-        place = (lengths[0] + 0.02 * toe, reading + 0.004)
-        axes.text(*place, f"{reading:.3f} → {words}", color=colour, fontsize="small")
+        axes.axhline(reading, color=colour, linewidth=0.8, label=f"{reading:.3f} → {words}")
+    # left of the curve, which rises at the right
+    axes.legend(loc="upper left", handlelength=1.2, frameon=True, framealpha=1, edgecolor="none", borderpad=0.2)
     axes.set_xlim(lengths[0], lengths[-1])
     axes.set_ylabel(SIGNALS["y2"].symbol)
     axes.set_title(rf"lengths that fit a force $\pm$ {noise:g}", fontsize="medium")

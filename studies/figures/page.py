@@ -3,15 +3,25 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
 import matplotlib
+from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 
 from ..files.writing import write_whole
 from . import style
+
+# entries of a legend that a page is wide enough for
+_COLUMNS = 5
+
+
+def above(figure: Figure, handles: Sequence[Artist]) -> None:
+    """One legend above all panels, in as few rows as the page needs, each as full as the others."""
+    rows = -(-len(handles) // _COLUMNS)
+    figure.legend(handles=list(handles), loc="outside upper center", ncols=-(-len(handles) // rows))
 
 
 @contextmanager

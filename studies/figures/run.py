@@ -14,7 +14,6 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
-from numpy.typing import ArrayLike, NDArray
 
 from ...model.arrays import Array
 from ...model.curves.tendon import Tendon, tendon
@@ -22,15 +21,16 @@ from ...model.symbols import MUSCLES, SIGNALS, STATES, hat
 from ...observers import label
 from ..scenarios.scenario import curves_of
 from . import style
-from .page import settings, write_figures
-from .views import Flags, limits, series, slack, start
+from .page import above, settings, write_figures
+from .traces import line, traces
+from .views import Flags, infeasible, limits, series, slack, start, true
 
 INPUTS = ("Delta", "u1", "u2")
 ACTIVATIONS = ("a1", "a2")
 
-# more than a printed line can show
-_MOST_POINTS = 6000
 _ROW = 1.25  # inches
+# along the height of a row
+_NUMBERS = 5
 
 
 def figures(dataset: xr.Dataset) -> dict[str, Figure]:
@@ -71,12 +71,12 @@ def reference(dataset: xr.Dataset) -> Figure:
     position, measured = series(dataset, "x1"), dataset["y"].sel(sensor="y1")
     symbol = {name: SIGNALS[name].symbol for name in ("r", "x1", "y1")}
     if "r" in dataset:
-        _line(axes, time, dataset["r"], style.REFERENCE, symbol["r"])
+        line(axes, time, dataset["r"], style.REFERENCE, symbol["r"])
     if np.array_equal(position, measured, equal_nan=True):
-        _line(axes, time, position, style.TRUE, f"{symbol['y1']} = {symbol['x1']}")
+        line(axes, time, position, style.TRUE, f"{symbol['y1']} = {symbol['x1']}")
     else:
-        _line(axes, time, measured, style.MEASURED, symbol["y1"])
-        _line(axes, time, position, style.TRUE, symbol["x1"])
+        line(axes, time, measured, style.MEASURED, symbol["y1"])
+        line(axes, time, position, style.TRUE, symbol["x1"])
     _set_time(axes, 0, time[-1])
     axes.set_xlabel(SIGNALS["t"].symbol)
     axes.set_ylabel(symbol["y1"] if "r" not in dataset else f"{symbol['r']}, {symbol['y1']}")
@@ -92,36 +92,32 @@ def estimates(dataset: xr.Dataset, quantities: Sequence[str]) -> Figure:
     spans = [(0.0, end), (end, time[-1])] if split else [(0.0, time[-1])]
     figure = Figure(figsize=(style.PAGE, 0.7 + _ROW * len(quantities)), layout="constrained")
     rows = figure.subplots(len(quantities), len(spans), sharex="col", squeeze=False, width_ratios=[1, 2][-len(spans) :])
+    bands = False
     for quantity, row in zip(quantities, rows, strict=True):
         for axes, span, scale in zip(row, spans, scales[quantity] * len(spans), strict=False):
             axes.set_ylim(scale)
+            # as many whatever the height: else the layout and the width of the numbers chase each other
+            axes.yaxis.set_major_locator(MaxNLocator(_NUMBERS, steps=[1, 2, 2.5, 5, 10]))
             _set_time(axes, *span)
-            _panel(axes, dataset, quantity)
+            bands |= _panel(axes, dataset, quantity)
         row[0].set_ylabel(SIGNALS[quantity].symbol, rotation=0, ha="right", va="center")
     for axes in rows[-1]:
         axes.set_xlabel(SIGNALS["t"].symbol)
-    _legend(figure, dataset, any(slack(dataset, quantity).any() for quantity in quantities))
+    handles = _handles(dataset, quantities, bands)
+    above(figure, handles)
     return figure
 
 
-def _panel(axes: Axes, dataset: xr.Dataset, quantity: str) -> None:
-    """The true value, the estimates and the slack of one quantity within the limits of the axes."""
-    time, loose = _time(dataset), slack(dataset, quantity)
-    for first, after in _episodes(loose):
-        axes.axvspan(time[first], time[min(after, len(time) - 1)], **style.SLACK)
-    true = np.asarray(series(dataset, quantity))
-    # a slack tendon leaves the activation undetermined, 0/0
-    _line(axes, time, np.where(loose, np.nan, true) if quantity in ACTIVATIONS else true, style.TRUE, "true")
-    for name, look in style.observer_styles(dataset["observer"].values.tolist()).items():
-        estimate = np.asarray(series(dataset, hat(quantity)).sel(observer=name))
-        _line(axes, time, estimate, style.thinned(look, _travel(axes, time, estimate)), name)
-
-
-def _travel(axes: Axes, time: Array, values: Array) -> float:
-    """How far the line moves up and down in the axes, in their heights."""
-    (begin, end), (low, high) = axes.get_xlim(), axes.get_ylim()
-    shown = np.clip(values[(time >= begin) & (time <= end)], low, high)
-    return float(np.nansum(np.abs(np.diff(shown))) / (high - low))
+def _panel(axes: Axes, dataset: xr.Dataset, quantity: str) -> bool:
+    """One quantity within the limits of the axes, with marks where it means nothing; whether there are bands."""
+    time = _time(dataset)
+    for flags, look in ((slack(dataset, quantity), style.SLACK), (infeasible(dataset, quantity), style.INFEASIBLE)):
+        for first, after in _episodes(flags):
+            axes.axvspan(time[first], time[min(after, len(time) - 1)], **look)
+    line(axes, time, true(dataset, quantity), style.TRUE, "true")
+    names = dataset["observer"].values.tolist()
+    estimates = {name: np.asarray(series(dataset, hat(quantity)).sel(observer=name)) for name in names}
+    return traces(axes, time, estimates, style.observer_styles(names))
 
 
 def _name(dataset: xr.Dataset, observer: str) -> str:
@@ -131,33 +127,25 @@ def _name(dataset: xr.Dataset, observer: str) -> str:
     return rf"{name} (fails at $\tau$ = {_time(dataset)[np.argmax(lost)]:g})" if lost.any() else name
 
 
-def _legend(figure: Figure, dataset: xr.Dataset, any_slack: bool) -> None:
-    """One legend above all panels, with the lines as they are before `thinned`."""
+def _handles(dataset: xr.Dataset, quantities: Sequence[str], bands: bool) -> list[Artist]:
+    """What the legend above all panels explains."""
     looks = style.observer_styles(dataset["observer"].values.tolist())
     handles: list[Artist] = [Line2D([], [], label="true", **style.TRUE)]
     handles += [Line2D([], [], label=_name(dataset, name), **look) for name, look in looks.items()]
-    handles += [Patch(label="tendon slack", **style.SLACK)] if any_slack else []
-    figure.legend(handles=handles, loc="outside upper center", ncols=min(len(handles), 6))
+    if bands:
+        handles.append(Patch(label="noise, least to largest", **style.BAND))
+    if any(slack(dataset, quantity).any() for quantity in quantities):
+        handles.append(Patch(label="tendon slack", **style.SLACK))
+    asked = [series(dataset, quantity).values[infeasible(dataset, quantity)] for quantity in quantities]
+    if most := float(np.concatenate(asked).max(initial=0.0)):
+        handles.append(Patch(label=f"infeasible: needs $a$ up to {most:.2g}", **style.INFEASIBLE))
+    return handles
 
 
 def _episodes(flags: Flags) -> list[tuple[int, int]]:
     """Where each run of True begins, and where the next False is."""
     edges = np.flatnonzero(np.diff(flags.astype(int), prepend=0, append=0))
     return [(int(first), int(after)) for first, after in edges.reshape(-1, 2)]
-
-
-def _line(axes: Axes, time: Array, signal: ArrayLike, look: style.Style, label: str) -> None:
-    values = np.asarray(signal)
-    keep = _envelope(values)
-    axes.plot(time[keep], values[keep], label=label, **look)
-
-
-def _envelope(values: Array) -> NDArray[np.intp]:
-    """Which points to draw: all, or of a very long line the least and the largest of each stretch."""
-    if len(values) <= _MOST_POINTS:
-        return np.arange(len(values))
-    stretches = np.array_split(np.arange(len(values)), _MOST_POINTS // 2)
-    return np.unique([part[pick(values[part])] for part in stretches for pick in (np.argmin, np.argmax)])
 
 
 def _set_time(axes: Axes, begin: float, end: float) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -17,19 +16,31 @@ TRUE: Style = {"color": "black", "linestyle": (0, (4, 3)), "linewidth": 0.8, "zo
 REFERENCE: Style = {"color": "#AA4499", "linestyle": "-", "linewidth": 1.8, "zorder": 3}
 MEASURED: Style = {"color": "0.72", "linestyle": "-", "linewidth": 0.5, "zorder": 2}
 SLACK: Style = {"facecolor": "0.9", "edgecolor": "none", "zorder": 0}
+# where something is asked for that cannot be
+INFEASIBLE: Style = {"facecolor": "none", "edgecolor": "0.6", "hatch": "////", "linewidth": 0, "zorder": 0.5}
 
-# Okabe and Ito's colours; widths, dashes and lightness keep them apart in grey too.
-# Wide lines lie below, dashed ones on top, so that each shows what it covers.
-_OBSERVERS: tuple[Style, ...] = (
-    {"color": "#0072B2", "linestyle": "-", "linewidth": 1.1, "zorder": 3.2},
-    {"color": "#E69F00", "linestyle": "-", "linewidth": 2.2, "zorder": 3.0},
-    {"color": "#009E73", "linestyle": (0, (6, 1.5, 1.2, 1.5)), "linewidth": 1.0, "zorder": 3.4},
-    {"color": "#CC79A7", "linestyle": (0, (3, 1)), "linewidth": 1.5, "zorder": 3.3},
-    {"color": "#D55E00", "linestyle": (0, (1, 1)), "linewidth": 1.3, "zorder": 3.5},
-    {"color": "#56B4E9", "linestyle": "-", "linewidth": 1.7, "zorder": 3.1},
+# one width for all observers
+_WIDTH = 1.1
+# an observer alone needs no dashes, and noise no width
+_ALONE: Style = {"linestyle": "-", "linewidth": 0.8}
+# Okabe and Ito's colours; dashes keep them apart in grey too, and where lines coincide the gaps show those below
+_OBSERVERS: tuple[Style, ...] = tuple(
+    {"color": color, "linestyle": dashes, "linewidth": _WIDTH, "zorder": 3 + place / 10}
+    for place, (color, dashes) in enumerate(
+        (
+            ("#0072B2", "-"),
+            ("#E69F00", (0, (6, 2))),
+            ("#009E73", (0, (4, 1.5, 1, 1.5))),
+            ("#CC79A7", (0, (2.5, 1.5))),
+            ("#D55E00", (0, (1, 1.5))),
+            ("#56B4E9", (0, (5, 1.5, 1, 1.5, 1, 1.5))),
+        )
+    )
 )
-# a line that travels up and down more panel heights than this would become a solid area
-_CALM = 15.0
+# of the inside of a band: six of them over each other still show what lies below
+_TINT = 0.14
+# in a legend: that of any observer
+BAND: Style = {"facecolor": ("0.5", _TINT), "edgecolor": "0.5", "linewidth": _WIDTH}
 
 RC: dict[Any, Any] = {
     "font.family": "STIXGeneral",
@@ -47,6 +58,7 @@ RC: dict[Any, Any] = {
     "axes.axisbelow": True,
     "grid.color": "0.85",
     "grid.linewidth": 0.4,
+    "hatch.linewidth": 0.4,
     "xtick.direction": "in",
     "ytick.direction": "in",
     "lines.solid_joinstyle": "round",
@@ -60,7 +72,8 @@ RC: dict[Any, Any] = {
 def observer_styles(names: Sequence[str]) -> dict[str, Style]:
     """The line of each observer: by its place in the registry; others follow in the order given."""
     known = [*OBSERVERS, *(name for name in names if name not in OBSERVERS)]
-    return {name: _OBSERVERS[known.index(name) % len(_OBSERVERS)] for name in names}
+    alone = _ALONE if len(names) == 1 else {}
+    return {name: {**_OBSERVERS[known.index(name) % len(_OBSERVERS)], **alone} for name in names}
 
 
 def lines(names: Sequence[str]) -> dict[str, Style]:
@@ -68,9 +81,7 @@ def lines(names: Sequence[str]) -> dict[str, Style]:
     return {name: _OBSERVERS[i % len(_OBSERVERS)] for i, name in enumerate(names)}
 
 
-def thinned(style: Style, travel: float) -> Style:
-    """The line as it is drawn where it moves up and down by `travel` panel heights: noise is thin and lies below."""
-    if travel <= _CALM:
-        return style
-    share = math.sqrt(_CALM / travel)
-    return {**style, "linestyle": "-", "linewidth": max(0.35, 1.1 * share), "zorder": 2 + share}
+def band(style: Style) -> Style:
+    """The line as the outline of a band, translucent inside."""
+    about = {key: style[key] for key in ("linestyle", "linewidth", "zorder")}
+    return {**about, "facecolor": (style["color"], _TINT), "edgecolor": style["color"]}

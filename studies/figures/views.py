@@ -10,7 +10,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ...model.arrays import Array
-from ...model.symbols import QUANTITIES, hat, muscle_of
+from ...model.symbols import ACTIVATIONS, QUANTITIES, hat, muscle_of
 
 Limits = tuple[float, float]
 Flags = NDArray[np.bool_]
@@ -31,6 +31,22 @@ def series(dataset: xr.Dataset, name: str) -> xr.DataArray:
 
 
 _GROUP = {quantity: quantity if quantity == "Delta" else quantity[0] for quantity in QUANTITIES}
+
+
+def true(dataset: xr.Dataset, quantity: str) -> Array:
+    """The true values over time as a panel shows them: an activation up to 1, none where the tendon is slack."""
+    values = np.asarray(series(dataset, quantity))
+    if quantity not in ACTIVATIONS:
+        return values
+    # a = (Φ_S − Φ_P)/(g f)   [z] is 0/0 while the tendon is slack
+    return np.where(slack(dataset, quantity), np.nan, np.minimum(values, 1))
+
+
+def infeasible(dataset: xr.Dataset, quantity: str) -> Flags:
+    """True at the times at which a muscle would need an activation above 1 for what it does."""
+    if quantity not in ACTIVATIONS:
+        return np.zeros(dataset.sizes["time"], dtype=bool)
+    return np.asarray(~slack(dataset, quantity) & (series(dataset, quantity).values > 1), dtype=bool)
 
 
 def slack(dataset: xr.Dataset, quantity: str) -> Flags:
@@ -67,9 +83,9 @@ def limits(dataset: xr.Dataset, quantity: str, end: float) -> list[Limits]:
 
 def _errors_to_come(dataset: xr.Dataset, quantity: str) -> list[Array]:
     """Per observer the largest |error| from each time on, as a share of the largest; the slack does not count."""
-    true, estimates = series(dataset, quantity), series(dataset, hat(quantity)).transpose("observer", "time")
+    estimates = np.asarray(series(dataset, hat(quantity)).transpose("observer", "time"))
     with np.errstate(over="ignore"):
-        errors = np.where(slack(dataset, quantity), 0.0, np.abs(np.asarray(estimates - true)))
+        errors = np.where(slack(dataset, quantity), 0.0, np.abs(estimates - true(dataset, quantity)))
     bounds = np.maximum.accumulate(errors[:, ::-1], axis=1)[:, ::-1]
     # an observer that fails has no start that ends
     return [bound / bound[0] for bound in bounds if 0 < bound[0] < math.inf]
@@ -85,7 +101,7 @@ def _round_up(value: float) -> float:
 
 def _lines(dataset: xr.Dataset, quantity: str, when: Flags) -> list[Array]:
     """The finite values of each line; of an observer that fails only the first half, for it ends without bounds."""
-    lines = [np.asarray(series(dataset, quantity))[when]]
+    lines = [true(dataset, quantity)[when]]
     for estimate in np.asarray(series(dataset, hat(quantity)).transpose("observer", "time")):
         life = int(np.isfinite(estimate).sum())
         trusted = when & (np.arange(len(when)) <= (len(when) if life == len(when) else life // 2))

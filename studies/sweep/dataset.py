@@ -12,7 +12,7 @@ from ..scenarios.prepare import Prepared
 from ..simulate.dataset import about, repeatable
 from ..simulate.measures import SENTENCES
 from .causes import causes, flags
-from .conditions import swept_conditions
+from .conditions import by_point, sentences, swept_conditions
 from .plan import Plan
 from .row import Rows
 
@@ -36,18 +36,19 @@ def sweep_dataset(plan: Plan, rows: Rows, truth: Trace, identity: str, compiled:
     for path, values in zip(plan.axes.paths, plan.axes.values, strict=True):
         dimension = path if plan.axes.kind == "grid" else "point"
         coordinates[path] = (dimension, values, _about_axis(plan.prepared, path))
+    violated = swept_conditions(plan, truth)
     attributes = {
         "title": f"hillobs: sweep of {plan.prepared.scenario.name}",
         **repeatable(plan.prepared),
         "kind": plan.axes.kind,
         "axes": json.dumps(list(plan.axes.paths)),
         "identity": identity,
-        "violated_conditions": json.dumps(swept_conditions(plan, truth)),
+        "violated_conditions": json.dumps(sentences(plan.axes, violated)),
         "library": compiled.path.stem,
         "target": compiled.target,
         "part": str(plan.part),
     }
-    return xr.Dataset(data, coordinates, attributes)
+    return xr.Dataset(data, coordinates, attributes).assign(by_point(plan.axes, violated))
 
 
 def _fields(plan: Plan) -> dict[str, tuple[tuple[str, ...], Mapping[str, object]]]:

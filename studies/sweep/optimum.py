@@ -1,16 +1,16 @@
-"""Where the errors of a sweep are smallest: medians over the seeds, and the values that belong to them."""
+"""Where the median errors of a sweep are smallest, what speaks against calling it the best, and how they change."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
 
 from ...model.arrays import Array
 from ...model.symbols import QUANTITIES
-from ...observers import OBSERVERS
 from .axes import Axes
 
 
@@ -44,35 +44,103 @@ def medians(dataset: xr.Dataset) -> xr.DataArray:
     return median.where(np.isfinite(median))
 
 
-def free(dataset: xr.Dataset, observer: str) -> list[str]:
-    """The swept parameters that an optimum is sought over: the observer's own; if it has none, those of no observer."""
-    owners = {path: path.partition(".")[0] for path in axes_of(dataset).paths}
-    own = [path for path, owner in owners.items() if owner == observer]
-    others = {*OBSERVERS, *dataset.observer.values.tolist()}
-    return own or [path for path, owner in owners.items() if owner not in others]
+@dataclass(frozen=True)
+class Optimum:
+    """The smallest median error of an observer, where it is, and what speaks against calling it the best."""
+
+    error: float
+    values: Mapping[str, float]  # of each swept parameter
+    edges: tuple[str, ...]  # parameters of the observer at the end of what was swept: the optimum may lie beyond
+    violated: tuple[int, ...]  # places along `condition` of the gain conditions that do not hold there
+
+    @property
+    def inside(self) -> bool:
+        """Whether nothing speaks against it."""
+        return not self.edges and not self.violated
 
 
-def best(dataset: xr.Dataset, median: xr.DataArray, observer: str) -> xr.DataArray | None:
-    """The smallest of `median` (…) with its coordinates, or None if it has no numbers.
+def varied(dataset: xr.Dataset) -> list[str]:
+    """The swept parameters with more than one value."""
+    axes = axes_of(dataset)
+    return [path for path, values in zip(axes.paths, axes.values, strict=True) if len(np.unique(values)) > 1]
 
-    What is not the observer's to choose is held at the scenario's value, if this is within the range.
+
+def depends(dataset: xr.Dataset, observer: str) -> bool:
+    """Whether what was swept changes any error of an observer."""
+    each = dataset.rmse.sel(observer=observer)
+    first = each.isel({dim: 0 for dim in each.dims if dim not in ("seed", "quantity")})
+    # a run that failed has no number, which equals nothing
+    return not bool((each == first).all())
+
+
+def own(dataset: xr.Dataset, observer: str) -> list[str]:
+    """The parameters that vary and are the observer's to choose: its own, not those of the plant or the noise."""
+    return [path for path in varied(dataset) if _owner(path) == observer]
+
+
+def held(dataset: xr.Dataset) -> dict[str, int | None]:
+    """What varies and is no observer's to choose, and the place where optima hold it: nearest to the scenario's value.
+
+    None where it cannot be held: the scenario has no single value, or the points are no grid.
     """
-    if axes_of(dataset).kind == "grid":
-        held = {path: own_place(dataset, path) for path in median.dims if path not in free(dataset, observer)}
-        median = median.isel({path: place for path, place in held.items() if place is not None})
+    observers, grid = dataset.observer.values.tolist(), axes_of(dataset).kind == "grid"
+    others = [path for path in varied(dataset) if _owner(path) not in observers]
+    return {path: nearest(dataset, path) if grid else None for path in others}
+
+
+def violated(dataset: xr.Dataset, observer: str) -> xr.DataArray:
+    """(condition, …) where gain conditions of an observer do not hold, without those that hold nowhere.
+
+    What holds nowhere tells no point of the sweep from another; the sentences of the result name it.
+    """
+    if "condition_violated" not in dataset:
+        return xr.DataArray(np.empty((0,), dtype=bool), dims="condition")
+    at = dataset.condition_violated
+    some = (at.condition_observer == observer) & ~at.all([dim for dim in at.dims if dim != "condition"])
+    placed: xr.DataArray = at.assign_coords(place=("condition", np.arange(at.sizes["condition"])))
+    return placed.isel(condition=np.flatnonzero(some.values))
+
+
+def optimum(dataset: xr.Dataset, median: xr.DataArray, observer: str) -> Optimum | None:
+    """The smallest of `median` (…) over the observer's own parameters, with all others `held`.
+
+    None without a parameter of the observer's own, without numbers, and where another one cannot be held.
+    """
+    places = held(dataset)
+    if not own(dataset, observer) or None in places.values():
+        return None
+    return smallest(dataset, median.isel(places), observer)
+
+
+def smallest(dataset: xr.Dataset, median: xr.DataArray, observer: str) -> Optimum | None:
+    """The smallest of `median` (…), a part of what was swept; None if there are no numbers."""
     if not median.notnull().any():
         return None
-    return median.isel({dim: int(place) for dim, place in median.argmin(...).items()}) if median.dims else median
+    places = {dim: int(place) for dim, place in median.argmin(...).items()} if median.dims else {}
+    found, chosen = median.isel(places), own(dataset, observer)
+    others = {*dataset.observer.values.tolist()} - {observer}
+    values = {path: float(found[path]) for path in axes_of(dataset).paths if _owner(path) not in others}
+    fails = violated(dataset, observer)
+    point = {dim: places[dim] for dim in fails.dims if dim == "point"}
+    here = fails.isel(point).sel({dim: found[dim] for dim in fails.dims if dim not in ("point", "condition")})
+    return Optimum(
+        float(found),
+        values,
+        tuple(path for path in chosen if values[path] in (dataset[path].values.min(), dataset[path].values.max())),
+        tuple(here.place.values[here.values].tolist()) if here.size else (),
+    )
+
+
+def spread(median: xr.DataArray) -> tuple[float, float]:
+    """The least and the largest of `median` (…)."""
+    return float(median.min()), float(median.max())
 
 
 def at_scenario(dataset: xr.Dataset, median: xr.DataArray) -> float:
     """The number of `median` (…) nearest to the scenario's own values; NaN if these are not in the ranges of a grid."""
-    if axes_of(dataset).kind != "grid":
+    if axes_of(dataset).kind != "grid" or any(own_value(dataset, str(path)) is None for path in median.dims):
         return np.nan
-    places = {path: own_place(dataset, path) for path in median.dims}
-    if any(place is None for place in places.values()):
-        return np.nan
-    return float(median.isel(places))
+    return float(median.isel({path: nearest(dataset, str(path)) for path in median.dims}))
 
 
 def own_value(dataset: xr.Dataset, path: str) -> float | None:
@@ -82,13 +150,17 @@ def own_value(dataset: xr.Dataset, path: str) -> float | None:
     return own if values.min() <= own <= values.max() else None
 
 
-def own_place(dataset: xr.Dataset, path: object) -> int | None:
-    """The place of the swept value nearest to the scenario's, if this is in the range."""
-    values, own = dataset[str(path)].values, own_value(dataset, str(path))
-    if own is None:
+def nearest(dataset: xr.Dataset, path: str) -> int | None:
+    """The place of the swept value nearest to the scenario's, or None if the scenario has no single one."""
+    values, own = dataset[path].values, float(dataset[path].attrs.get("scenario_value", np.nan))
+    if np.isnan(own):
         return None
-    scale = np.log if logarithmic(values) else np.asarray
+    scale = np.log if logarithmic(values) and own > 0 else np.asarray
     return int(np.abs(scale(values) - scale(own)).argmin())
+
+
+def _owner(path: str) -> str:
+    return path.partition(".")[0]
 
 
 def logarithmic(values: Array) -> bool:

@@ -13,7 +13,7 @@ from ...files.netcdf import save_netcdf
 from ...files.writing import writable_folder
 from ...sweep.axes import Range
 from ...sweep.run import sweep
-from ..reports.sweep import optimum
+from ..reports.sweep import notes, tables
 from ..terminal import print_table, user_errors
 
 _TRIO = {
@@ -44,7 +44,10 @@ def main() -> None:
                 save_netcdf(dataset, folder / f"{name}-{suffix}.nc")
             write_figures({"trade-off": curves(noisy, _SHOWN, clean)}, folder, name)
             click.echo(f"{path}, {_SEEDS} seeds, with noise:")
-            print_table(optimum(noisy))
+            for note in notes(noisy):
+                click.echo(note)
+            for table in tables(noisy):
+                print_table(table)
         dataset = sweep("paper-noisy", _MAP, seeds=_MAP_SEEDS)
         save_netcdf(dataset, folder / "sweep-eps_h-noise.nc")
         write_figures(sweep_figures(dataset)[0], folder, "sweep-eps_h-noise")

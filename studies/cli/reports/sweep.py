@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 import xarray as xr
@@ -11,43 +11,112 @@ from rich.table import Table
 from rich.text import Text
 
 from ....observers import label
-from ...sweep.optimum import at_scenario, axes_of, best, free, medians, own_value, shown_of
+from ...sweep.optimum import (
+    Optimum,
+    at_scenario,
+    axes_of,
+    held,
+    medians,
+    optimum,
+    own,
+    own_value,
+    shown_of,
+    spread,
+    varied,
+)
 from ...sweep.region import where
 from .number import number
 
 _SHOWN = ("x2", "Delta", "u1", "u2", "a1", "a2")
+# characters of a word that a heading has room for
+_LONG = 13
+# a larger change is said as a factor
+_DOUBLED = 1.0
 
 
-def optimum(dataset: xr.Dataset) -> Table:
-    """For each observer and quantity the smallest median RMSE over the seeds, where it is, and the scenario's own."""
-    paths, every = axes_of(dataset).paths, medians(dataset)
-    compared = dataset.attrs["kind"] == "grid" and bool(paths)
-    table = Table(box=None, padding=(0, 1, 0, 0))
-    for heading in ("", "quantity", *paths, "median RMSE", *(["scenario's own"] if compared else [])):
-        table.add_column(heading, no_wrap=True, justify="left" if heading in ("", "quantity") else "right")
-    for observer in dataset.observer.values.tolist():
-        for quantity in shown_of(dataset, _SHOWN):
-            median = every.sel(observer=observer, quantity=quantity)
-            if (found := best(dataset, median, observer)) is None:
-                continue
-            values = [f"{float(found[path]):.4g}" for path in paths]
-            own = [number(at_scenario(dataset, median))] if compared else []
-            table.add_row(Text(label(observer)), quantity, *values, number(float(found)), *own)
-    return table
+def tables(dataset: xr.Dataset) -> list[Table]:
+    """The optima of observers that have parameters of their own in the sweep, and how much the errors of others change.
+
+    A sweep over seeds alone has neither: the medians.
+    """
+    if not varied(dataset):
+        rows = [(who, quantity, number(float(median))) for who, quantity, median, _ in _errors(dataset)]
+        return [_table(["median RMSE"], rows)]
+    compared = dataset.attrs["kind"] == "grid"
+    paths, scenario = list(axes_of(dataset).paths), ["scenario's\nown"] * compared
+    optima, spreads = [], []
+    for who, quantity, median, found in _errors(dataset):
+        at = [number(at_scenario(dataset, median))] * compared
+        if found is None:
+            spreads.append((who, quantity, *at, *map(number, spread(median)), _change(*spread(median))))
+        else:
+            values = [f"{found.values[path]:.4g}" if path in found.values else "" for path in paths]
+            optima.append((who, quantity, *values, number(found.error), *at, _remark(found)))
+    headings = [_heading(path) for path in paths]
+    each = (
+        (optima, [*headings, "median\nRMSE", *scenario, ""]),
+        (spreads, [*scenario, "least\nmedian", "largest\nmedian", "change"]),
+    )
+    return [_table(columns, rows) for rows, columns in each if rows]
 
 
 def notes(dataset: xr.Dataset) -> Iterator[str]:
-    """Sentences above the table: how many runs, what failed, which gain conditions do not hold, what is compared."""
+    """Sentences above the tables: how many runs, what failed, which gain conditions do not hold, what is compared."""
     runs = dataset.plant_failed_at.size
     yield f"{runs:,} run{'s' if runs > 1 else ''} of {dataset.attrs['scenario']}, {dataset.sizes['seed']:,} per point"
     yield from _failures(dataset, "the plant", dataset.plant_failed_at, dataset.plant_failure)
     for observer in dataset.observer.values.tolist():
         of = dataset.sel(observer=observer)
         yield from _failures(dataset, label(observer), of.failed_at, of.failure)
-    for name, conditions in json.loads(dataset.attrs["violated_conditions"]).items():
-        for condition in conditions:
-            yield f"gain condition of {label(name)}: {condition}"
+    broken = json.loads(dataset.attrs["violated_conditions"])
+    each = [(label(name), sentence) for name, sentences in broken.items() for sentence in sentences]
+    for i, (who, sentence) in enumerate(each):
+        yield f"gain condition ({i + 1}) of {who}: {sentence}"
     yield from _comparison(dataset)
+
+
+def _errors(dataset: xr.Dataset) -> Iterator[tuple[str, str, xr.DataArray, Optimum | None]]:
+    """Each observer and quantity with a number: its median errors, and their optimum if it has one."""
+    every = medians(dataset)
+    for observer in dataset.observer.values.tolist():
+        for quantity in shown_of(dataset, _SHOWN):
+            median = every.sel(observer=observer, quantity=quantity)
+            if median.notnull().any():
+                yield label(observer), quantity, median, optimum(dataset, median, observer)
+
+
+def _table(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> Table:
+    table = Table(box=None, padding=(0, 1, 0, 0))
+    for heading in ("", "quantity", *columns):
+        left = heading in ("", "quantity")
+        table.add_column(heading, no_wrap=True, justify="left" if left else "right", vertical="bottom")
+    for who, *row in rows:
+        table.add_row(Text(who), *row)
+    return table
+
+
+def _heading(path: str) -> str:
+    """A path over several lines: broken behind dots, and behind the first underscore of a long word."""
+    words = path.split(".")
+    return ".\n".join(word.replace("_", "_\n", 1) if len(word) > _LONG else word for word in words)
+
+
+def _remark(found: Optimum) -> str:
+    """Why an optimum may be none; the numbers are those of the notes."""
+    words = [f"edge of {', '.join(path.partition('.')[2] for path in found.edges)}"] if found.edges else []
+    if found.violated:
+        numbers = " ".join(f"({place + 1})" for place in found.violated)
+        words.append(f"{numbers} fail{'s' if len(found.violated) == 1 else ''}")
+    return ", ".join(words)
+
+
+def _change(least: float, largest: float) -> str:
+    """How much larger the largest is."""
+    if least == largest:
+        return "none"
+    if least > 0 and largest / least - 1 < _DOUBLED:
+        return f"{100 * (largest / least - 1):.2g} %"
+    return f"× {largest / least:.3g}" if least > 0 else "–"
 
 
 def _failures(dataset: xr.Dataset, who: str, times: xr.DataArray, causes: xr.DataArray) -> Iterator[str]:
@@ -64,16 +133,27 @@ def _failures(dataset: xr.Dataset, who: str, times: xr.DataArray, causes: xr.Dat
 
 
 def _comparison(dataset: xr.Dataset) -> Iterator[str]:
-    """What the columns of the table mean where it is not plain."""
-    axes = axes_of(dataset)
-    if axes.kind != "grid" or not axes.paths:
+    """What the columns of the tables mean where it is not plain."""
+    paths, grid = varied(dataset), dataset.attrs["kind"] == "grid"
+    if grid and paths:
+        at = {path: own_value(dataset, path) for path in paths}
+        if None not in at.values():
+            words = ", ".join(f"{path} = {value:g}" for path, value in at.items())
+            yield f"scenario's own: {words}, or the swept value nearest to it"
+    yield from _sought(dataset)
+
+
+def _sought(dataset: xr.Dataset) -> Iterator[str]:
+    """What the optima are sought over, why there are none, and what an edge means."""
+    observers = dataset.observer.values.tolist()
+    chosen = [path for path in varied(dataset) if any(path in own(dataset, name) for name in observers)]
+    if not chosen:
         return
-    own = {path: own_value(dataset, path) for path in axes.paths}
-    inside = ", ".join(f"{path} = {value:g}" for path, value in own.items() if value is not None)
-    if None not in own.values():
-        yield f"scenario's own: {inside}, or the swept value nearest to it"
-    tuned = {path for observer in dataset.observer.values.tolist() for path in free(dataset, observer)}
-    held = [path for path in axes.paths if path not in tuned and own[path] is not None]
-    if held:
-        sought = ", ".join(path for path in axes.paths if path in tuned)
-        yield f"smallest over {sought}, for the {', '.join(held)} nearest to the scenario's"
+    places, optima = held(dataset), [found for *_, found in _errors(dataset) if found]
+    at = [f"{path} = {dataset[path].values[place]:.4g}" for path, place in places.items() if place is not None]
+    if lost := [path for path, place in places.items() if place is None]:
+        yield f"no optimum over {', '.join(chosen)}: {', '.join(lost)} cannot be held at one value of the scenario's"
+    elif at:
+        yield f"smallest over {', '.join(chosen)}, at {', '.join(at)}, the nearest to the scenario's"
+    if any(found.edges for found in optima):
+        yield "edge: the least or the largest value that was swept; the optimum may lie beyond"

@@ -7,11 +7,11 @@ from pathlib import Path
 import xarray as xr
 from matplotlib.figure import Figure
 
-from ...sweep.optimum import shown_of
+from ....observers import label
+from ...sweep.optimum import depends, shown_of, varied
 from ..page import write_figures
 from .curves import curves
 from .maps import maps
-from .panels import varied
 from .scatter import scatter
 
 _SHOWN = ("x2", "Delta", "u1", "a1")
@@ -27,7 +27,10 @@ def sweep_figures(dataset: xr.Dataset) -> tuple[dict[str, Figure], str]:
     if grid and len(paths) == 1:
         return {"curves": curves(dataset, quantities)}, ""
     if grid and len(paths) == 2:
-        return {f"map-{name}": maps(dataset, name, quantities) for name in dataset.observer.values.tolist()}, ""
+        observers = dataset.observer.values.tolist()
+        still = [label(name) for name in observers if not depends(dataset, name)]
+        drawn = {f"map-{name}": maps(dataset, name, quantities) for name in observers if depends(dataset, name)}
+        return drawn, f"no map of {', '.join(still)}: {' and '.join(paths)} do not change it" if still else ""
     if len(paths) > _MOST_COLUMNS:
         return {}, f"no figure: {len(paths)} parameters vary, more than {_MOST_COLUMNS}"
     why = "more than two parameters" if grid else "points that are no grid"

@@ -14,25 +14,29 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from ....model.arrays import Array
 from ....observers import label
-from ...sweep.optimum import failed, free, logarithmic, medians, own_value
+from ...sweep.optimum import Optimum, failed, medians, own, own_value, smallest, varied, violated
 from .. import style
-from ..page import settings
-from .panels import flattened, name_axes, panels, say_nothing, scale, varied
+from ..page import above, settings
+from ..symbols import symbol
+from .panels import edges, flattened, name_axes, number, panels, say_nothing, scale
 
 # shown by colours; what is larger is near a failure
 _DECADES = 3.0
+_RIDGE: style.Style = {"color": "white", "linewidth": 0.8}
 _OPTIMUM: style.Style = {
-    "color": "white", "linewidth": 0.8, "marker": "o", "markersize": 4, "markeredgecolor": "black",
+    "linestyle": "none", "marker": "o", "markersize": 4, "markerfacecolor": "white", "markeredgecolor": "black",
     "markeredgewidth": 0.6,
 }  # fmt: skip
+_SMALLEST: style.Style = {**_OPTIMUM, "markerfacecolor": "none", "markeredgecolor": "white", "markeredgewidth": 1.0}
 _OWN: style.Style = {
     "linestyle": "none", "marker": "X", "markersize": 7, "markerfacecolor": "#D55E00", "markeredgecolor": "white",
     "markeredgewidth": 0.6,
 }  # fmt: skip
 _NOTHING = "0.85"
-_HATCHED: style.Style = {"facecolor": "none", "edgecolor": "0.25", "linewidth": 0, "hatch": "xxxx"}
+_FAILED: style.Style = {"facecolor": "none", "edgecolor": "0.25", "linewidth": 0, "hatch": "xxxx"}
+# a colour that the map has not
+_VIOLATED: style.Style = {**_FAILED, "edgecolor": "#EE4444", "hatch": "////"}
 # relative
 _FLAT = 1e-3
 
@@ -42,22 +46,29 @@ def maps(dataset: xr.Dataset, observer: str, quantities: Sequence[str]) -> Figur
     flat, (x, y) = flattened(dataset), varied(dataset)
     every = medians(flat).sel(observer=observer).transpose(y, x, "quantity")
     lost = failed(flat).sel(observer=observer).any("seed").transpose(y, x)
-    own = {path: value for path in (x, y) if (value := own_value(flat, path)) is not None}
-    sought = [path for path in (x, y) if path in free(flat, observer)]
+    broken = violated(flat, observer).any("condition")
+    own_values = {path: value for path in (x, y) if (value := own_value(flat, path)) is not None}
+    optima: list[Optimum] = []
     with settings():
         figure, found = panels(quantities)
         for quantity, axes in found.items():
             median = every.sel(quantity=quantity)
             _colours(figure, axes, median)
-            _hatch(axes, lost)
-            axes.plot(*_optima(median, sought), **_OPTIMUM)
-            if len(own) == 2:
-                axes.plot(own[x], own[y], **_OWN)
+            _hatch(axes, lost, _FAILED)
+            if broken.dims:
+                _hatch(axes, broken.transpose(y, x), _VIOLATED)
+            ridge = _ridge(flat, median, observer)
+            axes.plot([one.values[x] for one in ridge], [one.values[y] for one in ridge], **_RIDGE)
+            for one in ridge:
+                axes.plot(one.values[x], one.values[y], **(_OPTIMUM if one.inside else _SMALLEST))
+            if len(own_values) == 2:
+                axes.plot(own_values[x], own_values[y], **_OWN)
             for direction, path in (("x", x), ("y", y)):
                 scale(axes, direction, flat[path].values)
             axes.grid(visible=False)
-        name_axes(found, x, y)
-        figure.legend(handles=_handles(flat, observer, sought, len(own) == 2), loc="outside upper center", ncols=4)
+            optima += ridge
+        name_axes(found, symbol(x), symbol(y))
+        above(figure, _handles(flat, observer, optima, len(own_values) == 2))
     return figure
 
 
@@ -71,49 +82,46 @@ def _colours(figure: Figure, axes: Axes, median: xr.DataArray) -> None:
         return
     cut = numbers.max() > least * 10**_DECADES
     # a map of one colour still needs two ends
-    norm = LogNorm(least, least * 10**_DECADES if cut else max(float(numbers.max()), least * (1 + _FLAT)))
-    x, y = (_edges(median[path].values) for path in reversed(median.dims))
-    mesh = axes.pcolormesh(x, y, median.values, cmap="viridis", norm=norm, rasterized=True)
-    figure.colorbar(mesh, ax=axes, extend="max" if cut else "neither").set_label("median RMSE [1]")
+    most = least * 10**_DECADES if cut else max(float(numbers.max()), least * (1 + _FLAT))
+    x, y = (edges(median[path].values) for path in reversed(median.dims))
+    mesh = axes.pcolormesh(x, y, median.values, cmap="viridis", norm=LogNorm(least, most), rasterized=True)
+    bar = figure.colorbar(mesh, ax=axes, extend="max" if cut else "neither")
+    number(bar.ax.yaxis, least, most)
+    bar.set_label("median RMSE")
 
 
-def _hatch(axes: Axes, lost: xr.DataArray) -> None:
-    """Hatches over the cells where a run failed."""
-    x, y = (_edges(lost[path].values) for path in reversed(lost.dims))
+def _hatch(axes: Axes, where: xr.DataArray, look: style.Style) -> None:
+    """Hatches over the cells of (y, x) in which something is so."""
+    x, y = (edges(where[path].values) for path in reversed(where.dims))
     cells = [
         [(x[i], y[j]), (x[i + 1], y[j]), (x[i + 1], y[j + 1]), (x[i], y[j + 1])]
-        for j, i in np.argwhere(lost.values).tolist()
+        for j, i in np.argwhere(where.values).tolist()
     ]
-    axes.add_collection(PolyCollection(cells, **_HATCHED), autolim=False)
+    axes.add_collection(PolyCollection(cells, **look), autolim=False)
 
 
-def _optima(median: xr.DataArray, sought: Sequence[str]) -> tuple[list[float], list[float]]:
-    """Where the error is smallest: one point, or if one parameter is not sought a point for each of its values."""
-    given = [path for path in median.dims if path not in sought]
+def _ridge(flat: xr.Dataset, median: xr.DataArray, observer: str) -> list[Optimum]:
+    """Where the error is smallest: one point, or if one parameter is not the observer's one for each of its values."""
+    given = [path for path in median.dims if path not in own(flat, observer)]
     if len(given) == len(median.dims):
-        return [], []
+        return []
     every = [median.isel({given[0]: i}) for i in range(median.sizes[given[0]])] if given else [median]
-    found = [one.isel({dim: int(i) for dim, i in one.argmin(...).items()}) for one in every if one.notnull().any()]
-    y, x = ([float(one[path]) for one in found] for path in median.dims)
-    return x, y
+    return [found for one in every if (found := smallest(flat, one, observer)) is not None]
 
 
-def _edges(values: Array) -> Array:
-    """The edges of the cells around some values, halfway in the scale of the axis."""
-    to, back = (np.log, np.exp) if logarithmic(values) else (np.asarray, np.asarray)
-    centres = to(values)
-    middle = (centres[1:] + centres[:-1]) / 2
-    return np.asarray(back(np.r_[2 * centres[0] - middle[0], middle, 2 * centres[-1] - middle[-1]]))
-
-
-def _handles(flat: xr.Dataset, observer: str, sought: Sequence[str], own: bool) -> list[Artist]:
+def _handles(flat: xr.Dataset, observer: str, optima: Sequence[Optimum], own_values: bool) -> list[Artist]:
     seeds = f", {flat.sizes['seed']:,} seeds" if flat.sizes["seed"] > 1 else ""
     handles: list[Artist] = [Patch(label=f"{label(observer)}{seeds}", visible=False)]
-    if sought:
-        best = "optimum" if len(sought) > 1 else f"best {sought[0]}"
-        handles.append(Line2D([], [], label=best, **_OPTIMUM))
-    if own:
+    chosen = own(flat, observer)
+    best = f"best {symbol(chosen[0])}" if len(chosen) == 1 else "optimum"
+    if any(found.inside for found in optima):
+        handles.append(Line2D([], [], label=best, **{**_RIDGE, **_OPTIMUM}))
+    if not all(found.inside for found in optima):
+        handles.append(Line2D([], [], label="smallest, no optimum", **{**_SMALLEST, "markeredgecolor": "0.35"}))
+    if own_values:
         handles.append(Line2D([], [], label="scenario's values", **_OWN))
+    if violated(flat, observer).any():
+        handles.append(Patch(label="gain condition fails", **_VIOLATED))
     if failed(flat).sel(observer=observer).any():
-        handles.append(Patch(label="runs failed", **_HATCHED))
+        handles.append(Patch(label="runs failed", **_FAILED))
     return handles

@@ -6,17 +6,25 @@ from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
+from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from numpy.typing import NDArray
 
 from ....model.symbols import SIGNALS
 from ....observers import label
-from ...sweep.optimum import axes_of, medians, own_value
+from ...sweep.optimum import axes_of, medians, own_value, varied, violated
 from .. import style
-from ..page import settings
-from .panels import OWN, error_scale, scale, varied
+from ..page import above, settings
+from ..symbols import symbol
+from .panels import OWN, error_scale, scale
 
 _ROW, _AROUND = 1.4, 0.8  # inches
+# points of several observers lie over each other
+_POINT: style.Style = {"linestyle": "none", "marker": "o", "markersize": 2.4, "markeredgewidth": 0.5, "alpha": 0.7}
+_VIOLATED: style.Style = {**_POINT, "markerfacecolor": "none"}
+# numbers that all columns of a page have room for, and those that each needs
+_ROOM, _FEWEST = 10, 3
 
 
 def scatter(dataset: xr.Dataset, quantities: Sequence[str]) -> Figure:
@@ -24,6 +32,7 @@ def scatter(dataset: xr.Dataset, quantities: Sequence[str]) -> Figure:
     paths, axes_ = varied(dataset), axes_of(dataset)
     values = dict(zip(axes_.paths, axes_.at(np.arange(int(np.prod(axes_.shape)))).T, strict=True))
     every, looks = medians(dataset), style.observer_styles(dataset.observer.values.tolist())
+    broken = {observer: _broken(dataset, observer) for observer in looks}
     with settings():
         figure = Figure(figsize=(style.PAGE, _AROUND + _ROW * len(quantities)), layout="constrained")
         rows = figure.subplots(len(quantities), len(paths), sharex="col", sharey="row", squeeze=False)
@@ -31,19 +40,30 @@ def scatter(dataset: xr.Dataset, quantities: Sequence[str]) -> Figure:
             for path, axes in zip(paths, row, strict=True):
                 for observer, look in looks.items():
                     median = every.sel(observer=observer, quantity=quantity).values.ravel()
-                    axes.plot(values[path], median, ".", color=look["color"], markersize=3, rasterized=True)
+                    for point, where in ((_POINT, ~broken[observer]), (_VIOLATED, broken[observer])):
+                        axes.plot(values[path][where], median[where], color=look["color"], rasterized=True, **point)
                 if (own := own_value(dataset, path)) is not None:
                     axes.axvline(own, **OWN)
-                scale(axes, "x", np.unique(values[path]))
+                scale(axes, "x", np.unique(values[path]), max(_FEWEST, _ROOM // len(paths)))
                 error_scale(axes)
             row[0].set_ylabel(f"RMSE of {SIGNALS[quantity].symbol}")
         for path, axes in zip(paths, rows[-1], strict=True):
-            axes.set_xlabel(path)
-        handles = [
-            Line2D([], [], label=label(name), color=look["color"], marker=".", linestyle="none")
-            for name, look in looks.items()
-        ]
-        if any(own_value(dataset, path) is not None for path in paths):
-            handles.append(Line2D([], [], label="scenario's value", **OWN))
-        figure.legend(handles=handles, loc="outside upper center", ncols=len(handles))
+            axes.set_xlabel(symbol(path))
+        above(figure, _handles(dataset, any(where.any() for where in broken.values())))
     return figure
+
+
+def _broken(dataset: xr.Dataset, observer: str) -> NDArray[np.bool_]:
+    """(points) where a gain condition of an observer does not hold."""
+    at = violated(dataset, observer)
+    return at.any("condition").values.ravel() if at.size else np.zeros(int(np.prod(axes_of(dataset).shape)), dtype=bool)
+
+
+def _handles(dataset: xr.Dataset, broken: bool) -> list[Artist]:
+    looks = style.observer_styles(dataset.observer.values.tolist())
+    handles: list[Artist] = [Line2D([], [], label=label(o), color=look["color"], **_POINT) for o, look in looks.items()]
+    if broken:
+        handles.append(Line2D([], [], label="gain condition fails", color="0.35", **_VIOLATED))
+    if any(own_value(dataset, path) is not None for path in varied(dataset)):
+        handles.append(Line2D([], [], label="scenario's value", **OWN))
+    return handles

@@ -8,11 +8,13 @@ import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.colors import to_hex
+from matplotlib.figure import Figure
 
 from hillobs.model.symbols import QUANTITIES, SIGNALS, STATES, hat
 from hillobs.observers import OBSERVERS, PAPER, label
 from hillobs.studies.figures import style
 from hillobs.studies.figures.run import estimates, figures, save_figures
+from hillobs.studies.figures.traces import traces
 from hillobs.studies.figures.views import series, start
 from hillobs.studies.files.errors import ResultError
 from hillobs.studies.simulate.run import simulate
@@ -30,6 +32,17 @@ def clean():
 @pytest.fixture(scope="module")
 def loose():
     return simulate("slack-deep", changes={"duration": 4.0})
+
+
+@pytest.fixture(scope="module")
+def noisy():
+    return simulate("paper-noisy")
+
+
+@pytest.fixture(scope="module")
+def unfeasible():
+    """Long enough for a muscle that is asked for more than it can give."""
+    return simulate("slack", changes={"duration": 9.0})
 
 
 def failing(dataset, observer, at):
@@ -59,6 +72,18 @@ def shaded(axes):
     """The spans that are shaded, in time."""
     boxes = [patch.get_window_extent().transformed(axes.transData.inverted()) for patch in axes.patches]
     return sorted((box.x0, box.x1) for box in boxes)
+
+
+def band_of(drawn):
+    """Ends of the stretches, lower and upper side of a band."""
+    (path,) = drawn.get_paths()
+    vertices = path.vertices[:-1]
+    # up the one side and back along the other, with a corner more at each turn
+    half = len(vertices) // 2
+    one, other = vertices[1:half], vertices[half + 1 :][::-1]
+    low, high = (one, other) if one[:, 1].sum() < other[:, 1].sum() else (other, one)
+    np.testing.assert_array_equal(low[:, 0], high[:, 0])
+    return low[:, 0], low[:, 1], high[:, 1]
 
 
 def draw(dataset):
@@ -122,8 +147,8 @@ def test_an_observer_keeps_its_colour_and_true_is_black_and_dashed(clean):
 def test_own_observers_take_the_next_colours():
     known, extended = list(OBSERVERS), style.observer_styles([*OBSERVERS, "mine", "yours"])
     assert {name: extended[name] for name in known} == style.observer_styles(known)
-    looks = [(to_hex(look["color"]), str(look["linestyle"]), look["linewidth"]) for look in extended.values()]
-    assert len({colour for colour, _, _ in looks}) == len({(dash, width) for _, dash, width in looks}) == len(looks)
+    looks = [(to_hex(look["color"]), str(look["linestyle"])) for look in extended.values()]
+    assert len({colour for colour, _ in looks}) == len({dashes for _, dashes in looks}) == len(looks)
     assert label("mine") == "mine"
 
 
@@ -238,12 +263,100 @@ def test_a_very_long_line_keeps_its_extremes():
     assert (drawn.min(), drawn.max()) == (recorded.min(), recorded.max())
 
 
-def test_noise_is_thin_and_lies_below():
-    base = style.observer_styles(["sliding_mode"])["sliding_mode"]
-    assert style.thinned(base, 3) == base
-    rough, rougher = style.thinned(base, 60), style.thinned(base, 600)
-    assert rougher["linewidth"] < rough["linewidth"] < base["linewidth"]
-    assert rougher["zorder"] < rough["zorder"] < base["zorder"] < style.TRUE["zorder"]
+def test_noise_hides_no_observer(noisy):
+    figure = draw(noisy)["inputs"]
+    axes = panels(figure, "Delta")[-1]
+    dashes = set()
+    for name in OBSERVERS:
+        (drawn,) = (band for band in axes.collections if band.get_label() == name)
+        ((*_, tint),) = drawn.get_facecolor()
+        ((*edge, opaque),) = drawn.get_edgecolor()
+        assert tint < 0.2 < opaque == 1
+        assert to_hex(edge) == to_hex(style.observer_styles(list(OBSERVERS))[name]["color"])
+        dashes.add(str(drawn.get_linestyle()))
+    assert len(dashes) == len(OBSERVERS)
+    assert "noise, least to largest" in legend(figure)
+
+
+def test_a_band_holds_every_value_and_no_more_than_its_stretch(noisy):
+    axes = panels(figures(noisy)["inputs"], "Delta")[-1]
+    late = noisy.time.values >= axes.get_xlim()[0]
+    for name in OBSERVERS:
+        (drawn,) = (band for band in axes.collections if band.get_label() == name)
+        ends, low, high = band_of(drawn)
+        time, values = noisy.time.values[late], series(noisy, "Delta_hat").sel(observer=name).values[late]
+        # spikes beyond one height above or below the axes are cut: they leave the panel anyway
+        bottom, top = axes.get_ylim()
+        values = np.clip(values, 2 * bottom - top, 2 * top - bottom)
+        assert (np.interp(time, ends, low) <= values + 1e-12).all()
+        assert (np.interp(time, ends, high) >= values - 1e-12).all()
+        assert np.ptp(high) + np.ptp(low) < 4 * np.ptp(values)
+
+
+def test_a_band_that_rises_is_as_narrow_as_its_noise():
+    """Noise of ±1 on a rise of 500: each end of a stretch is off by at most what the noise is."""
+    time = np.linspace(0, 1, 20_001)
+    axes = Figure().subplots()
+    axes.set(xlim=(0, 1), ylim=(0, 500))
+    rise = 500 * time + np.resize([1.0, -1.0], time.size)
+    looks = style.observer_styles(["a", "b"])
+    assert traces(axes, time, {"a": rise, "b": 500 * time}, looks)
+    (drawn,) = axes.collections
+    _, low, high = band_of(drawn)
+    # beside the noise, half a stretch of the rise at the two ends of the axes, where the middle has one side only
+    stretch = 500 / 150
+    assert (high - low)[2:-2].max() <= 2 * 2 + 1e-9
+    assert (high - low).max() <= 2 * 2 + 2 * stretch
+
+
+def test_what_is_no_number_in_noise_does_not_count():
+    time = np.linspace(0, 1, 5_000)
+    noise = np.resize([1.0, -1.0], time.size)
+    noise[100], noise[1_000:1_200], noise[3_000] = np.inf, np.nan, -np.inf
+    axes = Figure().subplots()
+    axes.set(xlim=(0, 1), ylim=(-2, 2))
+    assert traces(axes, time, {"a": noise, "b": 0 * time}, style.observer_styles(["a", "b"]))
+    axes.figure.draw_without_rendering()
+
+
+def test_an_observer_alone_is_a_line(noisy):
+    figure = draw(noisy.sel(observer=["sliding_mode"]))["inputs"]
+    axes = panels(figure, "Delta")[-1]
+    assert not axes.collections
+    np.testing.assert_array_equal(line(axes, "sliding_mode").get_ydata(), series(noisy, "Delta_hat")[1])
+    assert legend(figure) == ["true", "SMO"]
+
+
+def test_all_observers_are_as_wide(noisy):
+    for figure in list(draw(noisy).values())[2:]:
+        widths = {one.get_linewidth() for axes in figure.axes for one in axes.lines if one.get_label() != "true"}
+        widths |= {float(*band.get_linewidth()) for axes in figure.axes for band in axes.collections}
+        assert len(widths) == 1
+
+
+def test_an_activation_above_1_is_cut_and_said_to_be_infeasible(unfeasible):
+    figure = draw(unfeasible)["activations"]
+    (axes,) = panels(figure, "a1")
+    needed = unfeasible.a.sel(muscle=1).where(unfeasible.taut.sel(muscle=1) == 1)
+    assert float(needed.max()) > 1.5
+    np.testing.assert_array_equal(line(axes, "true").get_ydata(), np.minimum(needed, 1))
+    assert axes.get_ylim()[1] < 1.2
+    hatched = [patch for patch in axes.patches if patch.get_hatch()]
+    begins = [patch.get_window_extent().transformed(axes.transData.inverted()).x0 for patch in hatched]
+    assert begins[0] == pytest.approx(float(unfeasible.time[needed > 1][0]))
+    assert legend(figure)[-1] == f"infeasible: needs $a$ up to {float(needed.max()):.2g}"
+    assert not any(patch.get_hatch() for axes in draw(unfeasible)["inputs"].axes for patch in axes.patches)
+
+
+@pytest.mark.parametrize("scenario", ["slack", "slack-deep", "paper-noisy"])
+def test_all_words_stay_on_the_page(scenario):
+    noise = {"noise.x1": 0.005, "noise.force": 0.005} if scenario == "slack" else {}
+    for figure in draw(simulate(scenario, changes=noise)).values():
+        boxes = [one.get_window_extent() for one in figure.legends]
+        boxes += [axis.label.get_window_extent() for axes in figure.axes for axis in (axes.xaxis, axes.yaxis)]
+        for box in boxes:
+            assert figure.bbox.x0 <= box.x0 <= box.x1 <= figure.bbox.x1
+            assert figure.bbox.y0 <= box.y0 <= box.y1 <= figure.bbox.y1
 
 
 def test_the_same_run_gives_the_same_files(clean, tmp_path):

@@ -8,15 +8,20 @@ import pytest
 import xarray as xr
 from matplotlib.collections import PolyCollection, QuadMesh
 from matplotlib.figure import Figure
+from rich.console import Console
+from rich.table import Table
 
-from hillobs.studies.cli.reports.sweep import notes, optimum
+from hillobs.studies.cli.reports.sweep import notes, tables
 from hillobs.studies.figures.sweep.curves import curves
-from hillobs.studies.figures.sweep.figures import sweep_figures
+from hillobs.studies.figures.sweep.figures import save_sweep_figures, sweep_figures
 from hillobs.studies.figures.sweep.maps import maps
+from hillobs.studies.figures.sweep.panels import number
+from hillobs.studies.figures.symbols import symbol
 from hillobs.studies.files.netcdf import load, save_netcdf
+from hillobs.studies.scenarios.prepare import prepare
 from hillobs.studies.simulate.run import simulate
 from hillobs.studies.sweep.axes import Axes, Range
-from hillobs.studies.sweep.optimum import at_scenario, best, errors, failed, logarithmic, medians
+from hillobs.studies.sweep.optimum import at_scenario, errors, failed, logarithmic, medians, optimum, violated
 from hillobs.studies.sweep.region import where
 from hillobs.studies.sweep.run import sweep
 
@@ -36,6 +41,13 @@ def plane() -> xr.Dataset:
     return sweep("paper-noisy", over, 3, changes=SHORT)
 
 
+@pytest.fixture(scope="module")
+def layer() -> xr.Dataset:
+    """Over δ_s, from where its integration condition fails: h < 2δ_s/α is δ_s > 2.75e-4."""
+    over = {"sliding_mode.delta_s": [1e-4, 2e-4, 1e-3, 1e-2, 1e-1]}
+    return sweep("paper-noisy", over, 3, ["sliding_mode", "high_gain"], SHORT)
+
+
 def cause(variable: xr.DataArray) -> str:
     return variable.attrs["flag_meanings"].split()[int(variable)]
 
@@ -46,6 +58,14 @@ def drawn(dataset: xr.Dataset, *quantities: str) -> tuple[dict[str, Figure], str
     for figure in found.values():
         figure.draw_without_rendering()
     return found, sentence
+
+
+def printed(table: Table) -> list[str]:
+    """The lines of a table on a terminal that is wide enough."""
+    console = Console(width=200)
+    with console.capture() as text:
+        console.print(table)
+    return [line.rstrip() for line in text.get().splitlines()]
 
 
 def legend(figure: Figure) -> list[str]:
@@ -150,7 +170,7 @@ def test_what_survives_by_luck_is_no_optimum(line: xr.Dataset) -> None:
     lost[0, :2], lost[3, 0] = True, True
     found = medians(replaced(line, rmse, lost)).sel(observer="high_gain", quantity="x2")
     assert np.isnan(found.values[0])
-    assert float(best(line, found, "high_gain")["high_gain.eps_h"]) == 0.1
+    assert optimum(line, found, "high_gain").values == {"high_gain.eps_h": 0.1}
     assert float(found[3]) == 3
 
 
@@ -158,11 +178,99 @@ def test_an_optimum_is_sought_over_what_can_be_chosen(plane: xr.Dataset) -> None
     """ε_h, for the noise of the scenario; not the noise."""
     assert list(plane.observer.values) == ["high_gain"]
     median = medians(plane).sel(observer="high_gain", quantity="x2")
-    found = best(plane, median, "high_gain")
-    assert float(found["noise.x1"]) == 0.001
-    assert float(found) == float(median.sel({"noise.x1": 0.001}).min())
+    found = optimum(plane, median, "high_gain")
+    assert found.values["noise.x1"] == 0.001
+    assert found.error == float(median.sel({"noise.x1": 0.001}).min())
     assert at_scenario(plane, median) == float(median.sel({"noise.x1": 0.001, "high_gain.eps_h": 0.1}))
-    assert "smallest over high_gain.eps_h, for the noise.x1 nearest to the scenario's" in list(notes(plane))
+    assert "smallest over high_gain.eps_h, at noise.x1 = 0.001, the nearest to the scenario's" in list(notes(plane))
+
+
+def test_an_optimum_at_the_end_of_what_was_swept_is_an_edge(line: xr.Dataset) -> None:
+    """The errors are set: with the smallest first, inside, last."""
+    none_lost = np.zeros(line.failed_at.shape, dtype=bool)
+    for place, edge in ((0, True), (2, False), (4, True)):
+        rmse = np.full(line.failed_at.shape, 2.0)
+        rmse[place] = 1.0
+        dataset = replaced(line, rmse, none_lost)
+        found = optimum(dataset, medians(dataset).sel(observer="high_gain", quantity="x2"), "high_gain")
+        assert found.values["high_gain.eps_h"] == EPS[place]
+        assert found.edges == (("high_gain.eps_h",) if edge else ())
+        assert any(said.startswith("edge: ") for said in notes(dataset)) == edge
+
+
+def test_a_condition_is_known_at_each_point(layer: xr.Dataset) -> None:
+    at = layer.condition_violated.set_index(condition="condition").sel(condition="h < 2δ_s/α (integration)")
+    assert str(at.condition_observer.values) == "sliding_mode"
+    for value, broken in zip(layer["sliding_mode.delta_s"].values, at.values, strict=True):
+        alone = simulate("paper-noisy", "sliding_mode", {**SHORT, "sliding_mode.delta_s": float(value)})
+        said = json.loads(alone.attrs["violated_conditions"])["sliding_mode"]
+        assert any(sentence.startswith("h < 2δ_s/α") for sentence in said) == broken == (value < 2.75e-4)
+
+
+def test_conditions_are_kept_in_a_file_and_are_not_there_where_all_hold(layer: xr.Dataset, tmp_path: Path) -> None:
+    save_netcdf(layer, tmp_path / "x.nc")
+    xr.testing.assert_identical(layer, load(tmp_path / "x.nc"))
+    said = [text for texts in json.loads(layer.attrs["violated_conditions"]).values() for text in texts]
+    names = layer.condition.values.tolist()
+    assert len(said) == len(names)
+    assert all(text.startswith(name) for text, name in zip(said, names, strict=True))
+    assert "condition_violated" not in sweep("paper-clean", {"high_gain.eps_h": [0.1, 0.2]}, changes=SHORT)
+
+
+def test_an_optimum_where_a_condition_fails_says_which(layer: xr.Dataset) -> None:
+    """λ₁₁ is below its bound at all points: the notes say so, and no row repeats it."""
+    rmse = np.broadcast_to(np.array([9.0, 1, 2, 3, 4])[:, None, None], layer.failed_at.shape)
+    dataset = replaced(layer, rmse, np.zeros(layer.failed_at.shape, dtype=bool))
+    found = optimum(dataset, medians(dataset).sel(observer="sliding_mode", quantity="x2"), "sliding_mode")
+    (place,) = found.violated
+    assert not found.edges
+    assert not found.inside
+    assert dataset.condition.values[place] == "h < 2δ_s/α (integration)"
+    said = list(notes(dataset))
+    number = next(text for text in said if "h < 2δ_s/α (integration)" in text)
+    assert number.startswith(f"gain condition ({place + 1}) of SMO: ")
+    rows = [text for text in printed(tables(dataset)[0]) if text.startswith("SMO")]
+    assert rows
+    assert all(row.endswith(f"({place + 1}) fails") for row in rows)
+
+
+def test_a_parameter_of_the_plant_has_no_optimum_but_a_spread() -> None:
+    found = sweep("paper-noisy", {"plant.m": [0.8, 1.0, 1.2]}, 3, ["high_gain", "sliding_mode"], SHORT)
+    median = medians(found).sel(observer="sliding_mode", quantity="x2")
+    assert optimum(found, median, "sliding_mode") is None
+    (table,) = tables(found)
+    assert printed(table)[1].split() == ["quantity", "own", "median", "median", "change"]
+    (row,) = (text.split() for text in printed(table) if text.startswith("SMO x2"))
+    least, largest = float(median.min()), float(median.max())
+    assert row[-2:] == [f"{100 * (largest / least - 1):.2g}", "%"]
+    assert "optimum" not in legend(curves(found, ["x2"]))
+
+
+def test_who_is_not_changed_is_said_to_be_so(line: xr.Dataset) -> None:
+    optima, spreads = tables(line)
+    assert all(text.startswith("HGO") for text in printed(optima)[2:] if text)
+    rows = [text for text in printed(spreads) if text.startswith("SMO")]
+    assert rows
+    assert all(row.endswith("none") for row in rows)
+
+
+@pytest.mark.parametrize(("kind", "over"), [("zip", [0.0005, 0.002, 0.004]), ("grid", [17.0, 19.0])])
+def test_what_cannot_be_held_leaves_no_optimum(kind: str, over: list[float]) -> None:
+    """Points that move with the noise; a scenario whose muscles differ."""
+    path = "noise.x1" if kind == "zip" else "muscle.k"
+    eps = [0.05, 0.1, 0.2][: len(over)]
+    changes = {**SHORT, **({} if kind == "zip" else {"muscle1.k": 18.0})}
+    found = sweep("paper-noisy", {"high_gain.eps_h": eps, path: over}, 2, "high_gain", changes, kind=kind)
+    assert optimum(found, medians(found).sel(observer="high_gain", quantity="x2"), "high_gain") is None
+    words = f"no optimum over high_gain.eps_h: {path} cannot be held at one value of the scenario's"
+    assert words in list(notes(found))
+
+
+@pytest.mark.parametrize("path", ["high_gain.eps_h", "sliding_mode.delta_s", "adaptive_sliding_mode.delta_a"])
+def test_a_table_of_one_parameter_fits_a_terminal(path: str) -> None:
+    found = sweep("paper-noisy", {path: [1e-4, 0.1]}, changes=SHORT)
+    for table in tables(found):
+        assert max(map(len, printed(table))) <= 80
 
 
 def test_the_scenarios_own_value_is_not_made_up() -> None:
@@ -173,15 +281,11 @@ def test_the_scenarios_own_value_is_not_made_up() -> None:
 
 
 def test_the_table_has_the_quantities_asked_for(line: xr.Dataset) -> None:
-    table = optimum(line.sel(quantity=["x1", "a2"]))
-    assert [column.header for column in table.columns] == [
-        "",
-        "quantity",
-        "high_gain.eps_h",
-        "median RMSE",
-        "scenario's own",
-    ]
-    assert list(table.columns[1].cells) == ["x1", "a2"] * 2
+    table, spreads = tables(line.sel(quantity=["x1", "a2"]))
+    headings = [str(column.header).replace("\n", " ") for column in table.columns]
+    assert headings == ["", "quantity", "high_gain. eps_h", "median RMSE", "scenario's own", ""]
+    for each in (table, spreads):
+        assert list(each.columns[1].cells) == ["x1", "a2"]
 
 
 @pytest.mark.parametrize(
@@ -204,7 +308,10 @@ def test_a_scale_is_that_of_the_values(values: list[float], expected: bool) -> N
 
 def test_curves_are_the_medians_with_their_optimum(line: xr.Dataset) -> None:
     figure = curves(line, ["x2", "a1", "u2"])
-    assert legend(figure) == ["HGO", "SMO", "⅔ of the seeds", "optimum", "scenario's value", "runs failed"]
+    optima = ["optimum", "smallest, no optimum"]
+    assert [text for text in legend(figure) if text not in optima] == [
+        "HGO", "SMO", "⅔ of the seeds", "gain condition fails", "scenario's value", "runs failed",
+    ]  # fmt: skip
     for quantity, axes in zip(("x2", "a1", "u2"), figure.axes, strict=True):
         median = medians(line).sel(observer="high_gain", quantity=quantity)
         hgo, mark, crosses, smo, own = axes.lines
@@ -215,6 +322,90 @@ def test_curves_are_the_medians_with_their_optimum(line: xr.Dataset) -> None:
         assert len(set(smo.get_ydata())) == 1
         assert list(own.get_xdata()) == [0.1, 0.1]
         assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
+
+
+@pytest.mark.parametrize(("place", "hollow"), [(0, True), (1, True), (2, False), (4, True)])
+def test_a_mark_is_hollow_at_an_edge_and_where_a_condition_fails(layer: xr.Dataset, place: int, hollow: bool) -> None:
+    """The errors are set: the smallest one at each place in turn; the first two points break a condition."""
+    rmse = np.full(layer.failed_at.shape, 2.0)
+    rmse[place] = 1.0
+    dataset = replaced(layer, rmse, np.zeros(layer.failed_at.shape, dtype=bool))
+    figure = curves(dataset, ["x2"])
+    (mark,) = (one for one in figure.axes[0].lines if one.get_marker() == "o")
+    assert mark.get_xdata().tolist() == [dataset["sliding_mode.delta_s"].values[place]]
+    assert (mark.get_markerfacecolor() == "white") == hollow
+    assert ("smallest, no optimum" in legend(figure), "optimum" in legend(figure)) == (hollow, not hollow)
+
+
+def test_where_a_condition_fails_is_hatched(layer: xr.Dataset) -> None:
+    """λ₁₁, which is below its bound everywhere, hatches nothing."""
+    (axes,) = curves(layer, ["x2"]).axes
+    spans = [patch for patch in axes.patches if patch.get_hatch()]
+    boxes = [span.get_window_extent().transformed(axes.transData.inverted()) for span in spans]
+    hatched = [any(box.x0 <= value <= box.x1 for box in boxes) for value in layer["sliding_mode.delta_s"].values]
+    assert hatched == [True, True, False, False, False]
+
+
+@pytest.mark.parametrize(
+    ("path", "expected"),
+    [
+        ("high_gain.eps_h", r"$\varepsilon_{h}$"),
+        ("sliding_mode.lambda11", r"$\lambda_{11}$"),
+        ("adaptive_sliding_mode.a_dual", "$a$"),
+        ("adaptive_sliding_mode.k_max", r"$k_{\mathrm{max}}$"),
+        ("sliding_mode.delta_L", r"SMO $\delta_{L}$"),
+        ("high_gain.m", "HGO $m$"),
+        ("plant.m", "$m$"),
+        ("mine.gain", "mine gain"),
+        ("muscle1.k", "muscle 1 $k$"),
+        ("initial.x1_hat", r"initial $\hat{x}_{1}$"),
+        ("noise.force", "noise force"),
+        ("adaptive_sliding_mode.leak", "ASMO leak"),
+        ("step", "step"),
+    ],
+)
+def test_an_axis_has_its_symbol_and_an_owner_where_names_are_shared(path: str, expected: str) -> None:
+    assert symbol(path) == expected
+
+
+def test_every_parameter_has_a_symbol_that_can_be_drawn_and_is_its_own() -> None:
+    table = prepare("paper-noisy", None, {}).table
+    symbols = {path: symbol(path) for path in table.paths}
+    shared = {text for text in symbols.values() if list(symbols.values()).count(text) > 1}
+    assert not shared
+    figure = Figure(figsize=(10, 60))
+    for i, text in enumerate(symbols.values()):
+        figure.text(0.1, i / len(symbols), text)
+    figure.draw_without_rendering()
+
+
+def test_axes_are_labelled_by_symbols(line: xr.Dataset, plane: xr.Dataset) -> None:
+    assert curves(line, ["x2"]).axes[0].get_xlabel() == symbol("high_gain.eps_h")
+    axes = maps(plane, "high_gain", ["x2"]).axes[0]
+    assert (axes.get_xlabel(), axes.get_ylabel()) == (symbol("high_gain.eps_h"), symbol("noise.x1"))
+
+
+@pytest.mark.parametrize("room", [3, 5, 6])
+@pytest.mark.parametrize(
+    ("low", "high"), [(1e-4, 0.1), (0.02, 0.5), (3.1e-3, 5.5e-3), (1.01e-3, 1.04e-3), (7e-3, 0.0161), (1e-12, 1e3)]
+)
+def test_an_axis_has_numbers_and_they_are_not_crowded(low: float, high: float, room: int) -> None:
+    axes = Figure().subplots()
+    axes.set_xscale("log")
+    axes.set_xlim(low, high)
+    number(axes.xaxis, low, high, room)
+    inside = [tick for tick in axes.xaxis.get_majorticklocs() if low <= tick <= high]
+    assert 2 <= len(inside) <= room + 1
+    texts = [axes.xaxis.get_major_formatter()(tick) for tick in inside]
+    assert len(set(texts)) == len(texts)
+
+
+def test_no_map_of_an_observer_that_nothing_changes() -> None:
+    over = {"high_gain.eps_h": [0.05, 0.1, 0.2], "high_gain.h11": [2.0, 3.0]}
+    found = sweep("paper-noisy", over, 2, ["high_gain", "sliding_mode"], SHORT)
+    figures, sentence = drawn(found, "x2")
+    assert list(figures) == ["map-high_gain"]
+    assert sentence == "no map of SMO: high_gain.eps_h and high_gain.h11 do not change it"
 
 
 def test_the_spread_holds_two_thirds_of_the_seeds() -> None:
@@ -239,23 +430,30 @@ def test_a_sweep_without_noise_is_drawn_beside(line: xr.Dataset) -> None:
 
 def test_a_map_has_the_medians_the_hatches_and_the_best_values(plane: xr.Dataset) -> None:
     figure = maps(plane, "high_gain", ["x2", "a1"])
-    assert legend(figure) == ["HGO, 3 seeds", "best high_gain.eps_h", "scenario's values", "runs failed"]
+    assert legend(figure)[0] == "HGO, 3 seeds"
+    assert legend(figure)[-3:] == ["scenario's values", "gain condition fails", "runs failed"]
     lost = failed(plane).sel(observer="high_gain").any("seed")
+    # h h₁₁/ε_h < 2.78 fails at the first of EPS
+    broken = violated(plane, "high_gain").any("condition")
     for quantity, axes in zip(("x2", "a1"), figure.axes, strict=False):
         median = medians(plane).sel(observer="high_gain", quantity=quantity)
         (mesh,) = (one for one in axes.collections if isinstance(one, QuadMesh))
         np.testing.assert_array_equal(mesh.get_array().filled(np.nan), median.values.T)
-        (hatched,) = (one for one in axes.collections if type(one) is PolyCollection)
-        assert hatched.get_hatch()
-        cells = [path.get_extents() for path in hatched.get_paths()]
-        inside = {
-            (i, j)
-            for i, eps in enumerate(EPS)
-            for j, noise in enumerate(plane["noise.x1"].values)
-            if any(cell.contains(eps, noise) for cell in cells)
-        }
-        assert inside == {tuple(place) for place in np.argwhere(lost.values).tolist()} != set()
-        ridge, own = axes.lines
+        hatched = [one for one in axes.collections if type(one) is PolyCollection]
+        for each, where_ in zip(hatched, (lost, broken), strict=True):
+            assert each.get_hatch()
+            cells = [path.get_extents() for path in each.get_paths()]
+            inside = {
+                (i, j)
+                for i, eps in enumerate(EPS)
+                for j, noise in enumerate(plane["noise.x1"].values)
+                if any(cell.contains(eps, noise) for cell in cells)
+            }
+            assert inside == {tuple(place) for place in np.argwhere(where_.values).tolist()} != set()
+        ridge, *marks, own = axes.lines
+        for mark, eps in zip(marks, median.idxmin("high_gain.eps_h").values, strict=True):
+            assert mark.get_xdata() == eps
+            assert (mark.get_markerfacecolor() == "none") == (eps in (EPS[0], EPS[1], EPS[-1]))
         np.testing.assert_array_equal(ridge.get_xdata(), median.idxmin("high_gain.eps_h").values)
         np.testing.assert_array_equal(ridge.get_ydata(), plane["noise.x1"].values)
         assert (list(own.get_xdata()), list(own.get_ydata())) == ([0.1], [0.001])
@@ -266,7 +464,7 @@ def test_two_parameters_of_one_observer_have_one_optimum() -> None:
     over = {"high_gain.eps_h": [0.05, 0.1, 0.2], "high_gain.h11": [3.0, 2.0]}
     found = sweep("paper-noisy", over, 2, changes=SHORT)
     median = medians(found).sel(observer="high_gain", quantity="x2")
-    mark = maps(found, "high_gain", ["x2"]).axes[0].lines[0]
+    mark = maps(found, "high_gain", ["x2"]).axes[0].lines[1]
     (((eps, h11),),) = (mark.get_xydata().tolist(),)
     assert float(median.sel({"high_gain.eps_h": eps, "high_gain.h11": h11})) == float(median.min())
 
@@ -318,6 +516,17 @@ def test_figures_lie_beside_the_result_and_are_drawn_again(command, tmp_path: Pa
         "written to again/: 1 figure as PNG and PDF\n",
     )
     assert {path.name: path.read_bytes() for path in (tmp_path / "again").iterdir()} == first
+
+
+def test_the_same_sweep_gives_the_same_files(layer: xr.Dataset, plane: xr.Dataset, tmp_path: Path) -> None:
+    """With hatches, hollow marks and bands."""
+    for name in ("one", "two"):
+        (tmp_path / name).mkdir()
+        for stem, dataset in (("layer", layer), ("plane", plane)):
+            save_sweep_figures(dataset.sel(quantity=["x2", "a1"]), tmp_path / name, stem)
+    first, second = ({path.name: path.read_bytes() for path in (tmp_path / name).iterdir()} for name in ("one", "two"))
+    assert first == second
+    assert len(first) == 4
 
 
 def test_a_sweep_without_figures(command, tmp_path: Path) -> None:
