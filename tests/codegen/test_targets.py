@@ -64,7 +64,7 @@ def test_a_target_of_another_machine_is_refused(cpuinfo):
     cpuinfo("")
     with pytest.raises(BuildError, match="The target arm64 is for arm64; this machine is x86-64"):
         target_flags("arm64", GCC)
-    with pytest.raises(BuildError, match="Unknown target 'fast'; there are native, .*scalar"):
+    with pytest.raises(BuildError, match=r"Unknown target 'fast'; there are native, .*scalar"):
         target_flags("fast", GCC)
 
 
