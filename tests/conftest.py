@@ -37,11 +37,6 @@ def pytest_configure(config: pytest.Config) -> None:
         raise pytest.UsageError(str(error)) from error
 
 
-def pytest_report_header() -> str:
-    """Say what libraries are compiled for, and with what."""
-    return targets.sentence()
-
-
 @pytest.fixture(scope="session", autouse=True)
 def _one_cache(tmp_path_factory: pytest.TempPathFactory) -> None:
     # with several workers the session's folder is one below the one they share

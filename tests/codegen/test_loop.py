@@ -324,7 +324,7 @@ def test_a_users_own_observer_runs_beside_ours(proportional: Block) -> None:
     assert float(dataset.rmse.sel(estimator="proportional", quantity="x1")) < 1e-3
     assert '"proportional.gain": 50.0' in dataset.attrs["parameters"]
     ours = simulate("paper-clean", ["high_gain"], {"duration": 3.0})
-    # another library: a compiler may contract a product and a sum here and not there
+    # another library rounds products and sums together elsewhere: last bits of 2.7 in x̂₁, with gains up to h₁₃/ε³ = 1e3
     np.testing.assert_allclose(
-        ours.x_hat.sel(observer="high_gain"), dataset.x_hat.sel(observer="high_gain"), rtol=0, atol=1e-13
+        ours.x_hat.sel(observer="high_gain"), dataset.x_hat.sel(observer="high_gain"), rtol=0, atol=1e-12
     )

@@ -324,6 +324,7 @@ def test_De_Groote_Freglys_curves_are_the_formulas_in_NumPy() -> None:
 # ---------------------------------------------------------------- as machine code, and in the pair
 
 
+@pytest.mark.numerics
 def test_compiled_they_are_what_the_virtual_machine_computes() -> None:
     table, arguments = {}, {}
     rng = np.random.default_rng(7)
@@ -349,6 +350,7 @@ def test_compiled_they_are_what_the_virtual_machine_computes() -> None:
         np.testing.assert_allclose(compiled, machine, rtol=1e-9, atol=1e-12, err_msg=key)
 
 
+@pytest.mark.numerics
 def test_two_unlike_muscles_pull_one_mass() -> None:
     """Each by its own curves and numbers: its force and its activation follow from what the run recorded."""
     own = {

@@ -315,6 +315,7 @@ def tables_of(curves: CurveSet) -> Tables:
     )
 
 
+@pytest.mark.numerics
 def test_a_recording_is_estimated_with_a_table_of_curves(tmp_path: Path) -> None:
     """What the same curves under their own name give."""
     (tmp_path / "own.csv").write_text(csv_of(tables_of(DEGROOTE_FREGLY2016)))

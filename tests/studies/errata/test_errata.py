@@ -319,6 +319,7 @@ def test_printed_curve_set_has_the_printed_decimals():
 # ---------------------------------------------------------------- the study
 
 
+@pytest.mark.numerics
 def test_what_each_printed_term_does():
     done = []
     results = study.errata(done.append)

@@ -382,6 +382,7 @@ def errors(observer: str, y: np.ndarray, truth: dict[str, np.ndarray], found: di
     return {name: rms((out[:, list(block.y).index(f"{name}_hat")] - signal)[late]) for name, signal in truth.items()}
 
 
+@pytest.mark.numerics
 def test_no_other_width_is_much_better() -> None:
     y, truth = recorded()
     rule = OBSERVERS["high_gain"].gains(first_pass(*y, 0.05), 0.05)
@@ -396,6 +397,7 @@ def test_no_other_width_is_much_better() -> None:
             assert 1.3 * here[name] < there[name], (factor, name)
 
 
+@pytest.mark.numerics
 def test_all_observers_are_about_as_good() -> None:
     y, truth = recorded()
     sizes = first_pass(*y, 0.05)

@@ -408,6 +408,7 @@ def size_list(unknown: str) -> list[float]:
     return list(sizes(block(unknown)).values())
 
 
+@pytest.mark.numerics
 @pytest.mark.parametrize("unknown", MANY)
 def test_1000_random_taut_points_are_all_full(unknown: str, many: Callable[[str, Array], Array]) -> None:
     x = points(unknown, 20_000, 1)
@@ -421,6 +422,7 @@ def test_1000_random_taut_points_are_all_full(unknown: str, many: Callable[[str,
     assert all(one.full and one.singular_values[-1] > 1e-4 * one.singular_values[0] for one in v)
 
 
+@pytest.mark.numerics
 def test_a_limited_force_factor_hides_its_activation(many: Callable[[str, Array], Array]) -> None:
     """At a limit of z the velocity does not depend on a: the taut set alone is not enough for the a form."""
     x = points("a", 2000, 2)
@@ -434,6 +436,7 @@ def test_a_limited_force_factor_hides_its_activation(many: Callable[[str, Array]
         assert lost == tuple(name for name, h in zip(("a1", "a2"), hidden, strict=True) if h)
 
 
+@pytest.mark.numerics
 @pytest.mark.parametrize("unknown", MANY)
 @pytest.mark.parametrize("slack", [(0,), (1,), (0, 1)])
 def test_random_slack_points_lose_two_each(
@@ -454,6 +457,7 @@ def test_random_slack_points_lose_two_each(
     assert set(lost) == {name for j in slack for name in (f"x{j + 3}", f"{unknown}{j + 1}")}
 
 
+@pytest.mark.numerics
 @pytest.mark.parametrize(("unknown", "order", "nearest"), [("u", 6, 1e-15), ("u", 2, 3e-9), ("a", 2, 3e-4)])
 def test_how_near_the_edge_a_taut_tendon_is_seen(
     unknown: str, order: int, nearest: float, many: Callable[[str, Array], Array]
