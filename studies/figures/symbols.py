@@ -6,7 +6,7 @@ import functools
 import re
 from collections import Counter
 
-from ...observers import OBSERVERS, estimator, label
+from ...observers import OBSERVERS, PAPER, estimator, label
 
 _GREEK = {
     "alpha": r"\alpha", "beta": r"\beta", "gamma": r"\gamma", "delta": r"\delta", "Delta": r"\Delta",
@@ -32,7 +32,7 @@ def symbol(path: str) -> str:
 def _plain(owner: str, path: str) -> bool:
     """Whether a letter alone says whose it is."""
     if owner in OBSERVERS:
-        return _names()[path.partition(".")[2]] == 1
+        return owner in PAPER and _names()[path.partition(".")[2]] == 1
     return owner in _NAMELESS
 
 
@@ -56,5 +56,5 @@ def _letter(name: str) -> str:
 
 @functools.cache
 def _names() -> Counter[str]:
-    """How many of the registered observers have a parameter of each name."""
-    return Counter(name for observer in OBSERVERS.values() for name in estimator(observer.build()).parameters)
+    """How many of the paper's observers have a parameter of each name."""
+    return Counter(name for owner in PAPER for name in estimator(OBSERVERS[owner].build()).parameters)

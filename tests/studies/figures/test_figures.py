@@ -11,7 +11,7 @@ from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
 from hillobs.model.symbols import QUANTITIES, SIGNALS, STATES, hat
-from hillobs.observers import OBSERVERS, PAPER, label
+from hillobs.observers import PAPER, label
 from hillobs.studies.figures import style
 from hillobs.studies.figures.run import estimates, figures, save_figures
 from hillobs.studies.figures.traces import traces
@@ -145,7 +145,7 @@ def test_an_observer_keeps_its_colour_and_true_is_black_and_dashed(clean):
 
 
 def test_own_observers_take_the_next_colours():
-    known, extended = list(OBSERVERS), style.observer_styles([*OBSERVERS, "mine", "yours"])
+    known, extended = list(PAPER), style.observer_styles([*PAPER, "mine", "yours"])
     assert {name: extended[name] for name in known} == style.observer_styles(known)
     looks = [(to_hex(look["color"]), str(look["linestyle"])) for look in extended.values()]
     assert len({colour for colour, _ in looks}) == len({dashes for _, dashes in looks}) == len(looks)
@@ -157,7 +157,7 @@ def test_an_own_observer_is_drawn(clean):
     figure = figures(renamed)["states"]
     assert legend(figure) == ["true", "HGO", "mine", "ASMO"]
     assert line(figure.axes[0], "mine").get_color() not in {
-        look["color"] for look in style.observer_styles(list(OBSERVERS)).values()
+        look["color"] for look in style.observer_styles(list(PAPER)).values()
     }
 
 
@@ -267,21 +267,21 @@ def test_noise_hides_no_observer(noisy):
     figure = draw(noisy)["inputs"]
     axes = panels(figure, "Delta")[-1]
     dashes = set()
-    for name in OBSERVERS:
+    for name in PAPER:
         (drawn,) = (band for band in axes.collections if band.get_label() == name)
         ((*_, tint),) = drawn.get_facecolor()
         ((*edge, opaque),) = drawn.get_edgecolor()
         assert tint < 0.2 < opaque == 1
-        assert to_hex(edge) == to_hex(style.observer_styles(list(OBSERVERS))[name]["color"])
+        assert to_hex(edge) == to_hex(style.observer_styles(list(PAPER))[name]["color"])
         dashes.add(str(drawn.get_linestyle()))
-    assert len(dashes) == len(OBSERVERS)
+    assert len(dashes) == len(PAPER)
     assert "noise, least to largest" in legend(figure)
 
 
 def test_a_band_holds_every_value_and_no_more_than_its_stretch(noisy):
     axes = panels(figures(noisy)["inputs"], "Delta")[-1]
     late = noisy.time.values >= axes.get_xlim()[0]
-    for name in OBSERVERS:
+    for name in PAPER:
         (drawn,) = (band for band in axes.collections if band.get_label() == name)
         ends, low, high = band_of(drawn)
         time, values = noisy.time.values[late], series(noisy, "Delta_hat").sel(observer=name).values[late]

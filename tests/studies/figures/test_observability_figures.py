@@ -4,13 +4,13 @@ import numpy as np
 
 from hillobs.studies.figures.observability import explanation
 from hillobs.studies.observability.point import start_point
-from hillobs.studies.observability.question import ask
+from hillobs.studies.observability.question import pose
 from hillobs.studies.scenarios.prepare import prepare
 
 
 def test_no_words_lie_on_a_curve():
     prepared = prepare("paper-clean", None, {})
-    figure = explanation(ask(prepared, unknown="u", order=2), start_point(prepared))
+    figure = explanation(pose(prepared, unknown="u", order=2), start_point(prepared))
     figure.draw_without_rendering()
     for axes in figure.axes:
         words = [text.get_window_extent() for text in axes.texts]

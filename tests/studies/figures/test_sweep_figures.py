@@ -43,7 +43,7 @@ def plane() -> xr.Dataset:
 
 @pytest.fixture(scope="module")
 def layer() -> xr.Dataset:
-    """Over δ_s, from where its integration condition fails: h < 2δ_s/α is δ_s > 2.75e-4."""
+    """Over δ_s = δ_L, from where its integration condition fails: h α/δ_L < 2.5 is δ_L > 2.2e-4."""
     over = {"sliding_mode.delta_s": [1e-4, 2e-4, 1e-3, 1e-2, 1e-1]}
     return sweep("paper-noisy", over, 3, ["sliding_mode", "high_gain"], SHORT)
 
@@ -198,13 +198,18 @@ def test_an_optimum_at_the_end_of_what_was_swept_is_an_edge(line: xr.Dataset) ->
         assert any(said.startswith("edge: ") for said in notes(dataset)) == edge
 
 
+# what the step asks of the layers of the tendons, and the numbers of the paper's scenario in it
+LAYER = "h α/δ_L < 2.5 (integration)"
+STEP, ALPHA = 5e-4, 1.1
+
+
 def test_a_condition_is_known_at_each_point(layer: xr.Dataset) -> None:
-    at = layer.condition_violated.set_index(condition="condition").sel(condition="h < 2δ_s/α (integration)")
+    at = layer.condition_violated.set_index(condition="condition").sel(condition=LAYER)
     assert str(at.condition_observer.values) == "sliding_mode"
     for value, broken in zip(layer["sliding_mode.delta_s"].values, at.values, strict=True):
         alone = simulate("paper-noisy", "sliding_mode", {**SHORT, "sliding_mode.delta_s": float(value)})
         said = json.loads(alone.attrs["violated_conditions"])["sliding_mode"]
-        assert any(sentence.startswith("h < 2δ_s/α") for sentence in said) == broken == (value < 2.75e-4)
+        assert any(sentence.startswith(LAYER) for sentence in said) == broken == (value < STEP * ALPHA / 2.5)
 
 
 def test_conditions_are_kept_in_a_file_and_are_not_there_where_all_hold(layer: xr.Dataset, tmp_path: Path) -> None:
@@ -225,9 +230,9 @@ def test_an_optimum_where_a_condition_fails_says_which(layer: xr.Dataset) -> Non
     (place,) = found.violated
     assert not found.edges
     assert not found.inside
-    assert dataset.condition.values[place] == "h < 2δ_s/α (integration)"
+    assert dataset.condition.values[place] == LAYER
     said = list(notes(dataset))
-    number = next(text for text in said if "h < 2δ_s/α (integration)" in text)
+    number = next(text for text in said if LAYER in text)
     assert number.startswith(f"gain condition ({place + 1}) of SMO: ")
     rows = [text for text in printed(tables(dataset)[0]) if text.startswith("SMO")]
     assert rows
@@ -355,6 +360,7 @@ def test_where_a_condition_fails_is_hatched(layer: xr.Dataset) -> None:
         ("adaptive_sliding_mode.k_max", r"$k_{\mathrm{max}}$"),
         ("sliding_mode.delta_L", r"SMO $\delta_{L}$"),
         ("high_gain.m", "HGO $m$"),
+        ("high_gain_3.eps_h", r"HGO3 $\varepsilon_{h}$"),
         ("plant.m", "$m$"),
         ("mine.gain", "mine gain"),
         ("muscle1.k", "muscle 1 $k$"),
