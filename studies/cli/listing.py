@@ -7,7 +7,7 @@ import click
 from ...codegen.cache import clean_cache
 from ..scenarios.show import show as as_toml
 from .options import scenario_argument
-from .reports.listing import information, listing
+from .reports.listing import information, listing, sources
 from .reports.number import counted
 
 
@@ -27,9 +27,10 @@ def list_(what: str) -> None:
 
 
 @click.command()
-def info() -> None:
-    """Show versions, compiler, CPU and cache."""
-    for line in information():
+@click.option("--source", is_flag=True, help="The generated C++ of each compiled library instead, the newest first.")
+def info(source: bool) -> None:
+    """Show versions, compiler, pages and cache."""
+    for line in sources() if source else information():
         click.echo(line)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import textwrap
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -29,6 +30,8 @@ INPUTS = ("Delta", "u1", "u2")
 ACTIVATIONS = ("a1", "a2")
 
 _ROW = 1.25  # inches
+# size of a title, and its letters in an inch
+_TITLE, _LETTERS = 8, 15
 # along the height of a row
 _NUMBERS = 5
 
@@ -36,13 +39,29 @@ _NUMBERS = 5
 def figures(dataset: xr.Dataset) -> dict[str, Figure]:
     """All figures of one run: `phi_s`, `reference`, `states`, `inputs`, `activations`."""
     with settings():
-        return {
+        drawn = {
             "phi_s": phi_s(dataset),
             "reference": reference(dataset),
             "states": estimates(dataset, STATES),
             "inputs": estimates(dataset, INPUTS),
             "activations": estimates(dataset, ACTIVATIONS),
         }
+        for figure in drawn.values():
+            _name_changes(figure, dataset)
+        return drawn
+
+
+def _name_changes(figure: Figure, dataset: xr.Dataset) -> None:
+    """Above the figure of a run that is not the scenario as it stands: what was changed."""
+    scenario, run = dataset.attrs["scenario"], dataset.attrs.get("run", "")
+    if changes := run.removeprefix(scenario).strip(","):
+        words = f"{scenario}: {changes.replace(',', ', ').replace('=', ' = ')}"
+        words = textwrap.fill(words, int(_LETTERS * figure.get_figwidth()))
+        # above the panels a title would lie on the legend
+        if figure.legends:
+            figure.legends[0].set_title(words, {"size": _TITLE})
+        else:
+            figure.suptitle(words, fontsize=_TITLE)
 
 
 def save_figures(dataset: xr.Dataset, folder: str | Path, stem: str) -> list[Path]:

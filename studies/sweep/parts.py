@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import fcntl
 import json
 import os
 import re
@@ -15,6 +14,7 @@ from types import TracebackType
 
 import numpy as np
 
+from ...codegen.system.locks import take
 from ..files.errors import ResultError
 from ..files.netcdf import sealed, unsealed
 from ..files.reading import cause, read_whole
@@ -24,6 +24,8 @@ from .row import Rows
 # bytes; a part is some thousand numbers
 _LARGEST_PART = 1_000_000_000
 _LARGEST_PLAN = 1_000_000_000
+# of a process and its machine
+_LONGEST_NAME = 1_000
 # one name per part, so that none is found twice
 _PART = re.compile(r"(\d{8}|[1-9]\d{8,})\.part", re.ASCII)
 
@@ -100,26 +102,15 @@ class Parts:
         path = self.folder / "lock"
         while True:
             self.folder.mkdir(exist_ok=True)
-            lock = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
-            try:
-                self._take(lock)
-                # another process that has just finished may have removed the folder with this lock
-                with contextlib.suppress(FileNotFoundError):
-                    if os.path.samestat(os.fstat(lock), os.stat(path)):
-                        return lock
-            except BaseException:
-                os.close(lock)
-                raise
-            os.close(lock)
-
-    def _take(self, lock: int) -> None:
-        try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError as error:
-            owner = os.pread(lock, 200, 0).decode(errors="replace").strip() or "another process"
-            raise ResultError(f"{self._result} is being computed by {owner}") from error
-        os.ftruncate(lock, 0)
-        os.pwrite(lock, f"process {os.getpid()} on {socket.gethostname()}".encode(), 0)
+            # a process that has just finished removes the folder, and the lock with it
+            with contextlib.suppress(FileNotFoundError):
+                try:
+                    lock = take(path)
+                except BlockingIOError as error:
+                    raise ResultError(f"{self._result} is being computed by {_owner(path)}") from error
+                os.ftruncate(lock, 0)
+                os.pwrite(lock, f"process {os.getpid()} on {socket.gethostname()}".encode(), 0)
+                return lock
 
     def _compare(self) -> None:
         """Another sweep's parts are not mixed with ours."""
@@ -158,3 +149,11 @@ class Parts:
             return os.listdir(self.folder)
         except OSError as error:
             raise ResultError(f"{self.folder} cannot be read: {cause(error)}") from error
+
+
+def _owner(lock: Path) -> str:
+    """Who says in a lock file that it is theirs."""
+    with contextlib.suppress(OSError, ValueError):
+        if name := read_whole(lock, _LONGEST_NAME).decode(errors="replace").strip():
+            return name
+    return "another process"

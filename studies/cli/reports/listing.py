@@ -7,11 +7,12 @@ import sys
 import tomllib
 from collections.abc import Iterator
 
-from ....codegen.cache import BuildError, describe_cache
+from ....codegen.cache import BuildError, describe_cache, kept_sources
 from ....codegen.toolchain import find_compiler
 from ....model.curves import CURVES
 from ....observers import OBSERVERS
 from ...files.pages import documentation
+from ...files.quote import escaped
 from ...files.versions import versions
 from ...scenarios.layers import shipped
 from ...scenarios.loops import full_table
@@ -46,6 +47,16 @@ def information() -> Iterator[str]:
     yield f"cache     {cache['folder']}: {libraries}, {cache['bytes']:,} bytes"
     if cache["problem"]:
         yield f"          it {cache['problem']}"
+
+
+def sources() -> Iterator[str]:
+    """The lines of `hillobs info --source`: each generated file, and what it is."""
+    kept = kept_sources()
+    for path, sentence in kept.items():
+        yield escaped(str(path))
+        yield f"    {escaped(sentence)}"
+    if not kept:
+        yield "nothing is compiled yet"
 
 
 def _scenarios() -> Iterator[str]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import functools
 import hashlib
 import platform
@@ -10,6 +9,7 @@ from collections.abc import Mapping
 from importlib import metadata, resources
 from pathlib import Path
 
+from ....codegen.system.processor import cpuinfo
 from ....codegen.toolchain import find_compiler
 
 _ROOMS = ("model", "observers", "codegen", "studies")
@@ -31,7 +31,7 @@ def code(library: Path) -> dict[str, str]:
         "casadi": metadata.version("casadi"),
         "compiler": find_compiler().version.partition("\n")[0],
         "C library": " ".join(platform.libc_ver()).strip() or platform.platform(),
-        "processor": _processor(),
+        "processor": cpuinfo("model name") or platform.machine(),
         "compiled library": hashlib.sha256(library.read_bytes()).hexdigest()[:_SHORT],
     }
 
@@ -55,11 +55,3 @@ def _source() -> str:
             name = f"{room}/{path.relative_to(root).as_posix()}"
             digest.update(f"{name}\n".encode() + hashlib.sha256(path.read_bytes()).digest())
     return digest.hexdigest()[:_SHORT]
-
-
-def _processor() -> str:
-    with contextlib.suppress(OSError):
-        for line in Path("/proc/cpuinfo").read_text("ascii", "replace").splitlines():
-            if line.startswith("model name"):
-                return line.partition(":")[2].strip()
-    return platform.machine()
