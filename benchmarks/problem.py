@@ -61,7 +61,7 @@ def problem(score: tuple[tuple[str, ...], tuple[str, ...]] = LEAN_SCORE) -> Prob
     """The scenario as shipped, scored by quantities and measures."""
     prepared = prepare(SCENARIO, None, {}, *score)
     loop, given = prepared.loop, prepared.scenario.given
-    numbers = {block.name: prepared.table.values(block, given) for block in loop.blocks}
+    numbers = {block.name: prepared.paths.values(block, given) for block in loop.blocks}
     blank = Problem(loop, prepared.grid, numbers, np.empty(0))
     return replace(blank, x0=states(blank, 0))
 

@@ -74,8 +74,8 @@ def rename(block: Block, name: str, names: Mapping[str, str], outputs: Iterable[
 
     Parameters that get the same new name become one. If `outputs` (new names) is given, only these remain, in order.
     """
-    every = [*block.x, *block.y, *block.p, *block.guards, *block.domain]
-    _check_names("name", names, dict.fromkeys(every))
+    known = [*block.x, *block.y, *block.p, *block.guards, *block.domain]
+    _check_names("name", names, dict.fromkeys(known))
 
     def new(key: str) -> str:
         return names.get(key, key)

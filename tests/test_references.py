@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from hillobs.model.curves import CURVES
-from hillobs.studies.scenarios.loops import full_table
+from hillobs.studies.scenarios.loops import all_paths
 from places import DATA, DOCS, ROOT, anchors
 
 FOLDERS = ("model", "observers", "codegen", "studies", "hillobs", "benchmarks", "tests", "docs", "build")
@@ -91,5 +91,5 @@ def test_sections_are_those_of_the_paper() -> None:
 @pytest.mark.parametrize("curves", CURVES.values(), ids=CURVES)
 def test_every_number_names_where_it_comes_from(curves) -> None:
     known = ("paper", "chosen", "derived", "docs/", "OpenSim")
-    sources = {path: parameter.source for path, parameter in full_table((), curves).paths.items()}
+    sources = {path: parameter.source for path, parameter in all_paths((), curves).paths.items()}
     assert {path: source for path, source in sources.items() if not source.startswith(known)} == {}

@@ -12,7 +12,7 @@ from ...observers import OBSERVERS
 from ..files.errors import ScenarioError
 from ..files.numbers import whole_number
 from ..scenarios.layers import Value, shipped
-from ..scenarios.loops import full_table
+from ..scenarios.loops import all_paths
 from ..scenarios.scenario import parse_change, valid_choices
 from ..sweep.axes import Values, parse_axis
 
@@ -110,8 +110,8 @@ def _complete_paths(ctx: click.Context, param: click.Parameter, incomplete: str)
     path, equals, _ = incomplete.partition("=")
     if equals:
         return _beginning((f"{path}={value}" for value in valid_choices().get(path, ())), incomplete)
-    table = full_table()
-    return _beginning((f"{known}=" for known in (*valid_choices(), *table.groups(), *table.paths)), incomplete)
+    paths = all_paths()
+    return _beginning((f"{known}=" for known in (*valid_choices(), *paths.groups(), *paths.parameters)), incomplete)
 
 
 def _beginning(words: Iterable[str], incomplete: str) -> list[CompletionItem]:

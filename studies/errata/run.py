@@ -23,7 +23,7 @@ from ..files.progress import Progress, unseen
 from ..scenarios.grid import time_grid
 from ..scenarios.layers import Value, layers
 from ..scenarios.loops import paper_loop
-from ..scenarios.paths import RUN, table
+from ..scenarios.paths import RUN, paths_of
 from ..scenarios.scenario import scenario
 from ..simulate.measures import measures
 from .printed import ADAPTIVE, CONTROLLER, OBSERVER, Erratum, adaptive_as_printed, backstepping_as_printed, printed_toe
@@ -109,17 +109,17 @@ def _share(progress: Progress, i: int, n: int) -> Progress:
 
 def variants(errata: Mapping[str, Erratum]) -> list[Variant]:
     """Corrected, as printed, one printed term in the corrected form, one correction in the printed form."""
-    every = tuple(name for name in errata if name not in _READ_AS_MEANT)
+    names = tuple(name for name in errata if name not in _READ_AS_MEANT)
     return [
         Variant("corrected", ()),
-        Variant("as printed", every),
+        Variant("as printed", names),
         *(Variant(f"{name} printed", (name,)) for name in errata),
-        *(Variant(f"only {name} right", _without(name, every)) for name in every),
+        *(Variant(f"only {name} right", _without(name, names)) for name in names),
     ]
 
 
-def _without(name: str, every: Sequence[str]) -> tuple[str, ...]:
-    return tuple(other for other in every if other != name)
+def _without(name: str, names: Sequence[str]) -> tuple[str, ...]:
+    return tuple(other for other in names if other != name)
 
 
 def _tracking(variant: Variant, progress: Progress) -> Tracking:
@@ -206,16 +206,16 @@ def _loop() -> Loop:
 def _run(changes: Mapping[str, Value], observers: Sequence[str], progress: Progress) -> _Run:
     """The paper's first simulation with the printed forms in the loop."""
     loop = _loop()
-    every = table(loop.blocks)
-    given = scenario(*layers("paper-clean", changes), every).given
-    grid = time_grid(lambda path: every.value(path, given))
-    values = {block.name: every.values(block, given) for block in loop.blocks}
+    paths = paths_of(loop.blocks)
+    given = scenario(*layers("paper-clean", changes), paths).given
+    grid = time_grid(lambda path: paths.value(path, given))
+    values = {block.name: paths.values(block, given) for block in loop.blocks}
     traces = compile_loop(loop).run(grid, 0, values, observers, progress)
     outputs = {block.name: block.y for block in loop.blocks}
     signals = {
         name: column for block, trace in traces.items() for name, column in zip(outputs[block], trace.y.T, strict=True)
     }
-    return _Run(grid, every.value("reference.amplitude", given), traces, signals)
+    return _Run(grid, paths.value("reference.amplitude", given), traces, signals)
 
 
 def joints() -> list[Joint]:

@@ -24,7 +24,7 @@ from ..laboratory.muscles import MusclePair, read_muscles
 from ..laboratory.recording import Recording, read_recording
 from ..laboratory.scales import scales
 from ..scenarios.layers import Value
-from ..scenarios.paths import Table, table
+from ..scenarios.paths import Paths, paths_of
 from ..scenarios.scenario import checked_number
 from .case import Case, Result, Settings
 from .dataset import estimate_dataset
@@ -65,7 +65,7 @@ def estimate(
     pair = muscles if isinstance(muscles, MusclePair) else read_muscles(muscles)
     bank = _bank(pair, corrected, chosen)
     _refuse_taken(chosen, bank)
-    paths = table(bank.observers)
+    paths = paths_of(bank.observers)
     settings = _settings(corrected, changes or {}, keep_every, paths, chosen)
     if isinstance(recording, Recording):
         shares, read = _shares(progress or unseen, len(chosen)), recording
@@ -105,7 +105,7 @@ def _refuse_taken(chosen: Mapping[str, Observer], bank: Bank) -> None:
 
 
 def _settings(
-    corrected: bool, changes: Mapping[str, Value], keep_every: int, paths: Table, chosen: Mapping[str, Observer]
+    corrected: bool, changes: Mapping[str, Value], keep_every: int, paths: Paths, chosen: Mapping[str, Observer]
 ) -> Settings:
     """What was asked for, checked before anything is read. ScenarioError says what is wrong."""
     if keep_every < 1:
@@ -138,7 +138,7 @@ def _check_size(samples: int, keep_every: int, observers: int) -> None:
         )
 
 
-def _case(read: Recording, pair: MusclePair, compiled: CompiledBank, paths: Table, settings: Settings) -> Case:
+def _case(read: Recording, pair: MusclePair, compiled: CompiledBank, paths: Paths, settings: Settings) -> Case:
     if len(read) < 2:
         raise RecordingError(f"{read.source}: has one row of numbers; observers need two or more")
     refuse_impossible(read, pair)
@@ -160,7 +160,7 @@ def _case(read: Recording, pair: MusclePair, compiled: CompiledBank, paths: Tabl
 
 
 def _follow(
-    case: Case, compiled: CompiledBank, paths: Table, name: str, observer: Observer, progress: Progress
+    case: Case, compiled: CompiledBank, paths: Paths, name: str, observer: Observer, progress: Progress
 ) -> Result:
     block = next(block for block in compiled.bank.observers if block.name == name)
     rule = {f"{name}.{gain}": value for gain, value in observer.gains(case.sizes, case.period).items()}

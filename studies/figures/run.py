@@ -12,6 +12,7 @@ import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.font_manager import FontProperties
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
@@ -59,7 +60,7 @@ def _name_changes(figure: Figure, dataset: xr.Dataset) -> None:
         words = textwrap.fill(words, int(_LETTERS * figure.get_figwidth()))
         # above the panels a title would lie on the legend
         if figure.legends:
-            figure.legends[0].set_title(words, {"size": _TITLE})
+            figure.legends[0].set_title(words, FontProperties(size=_TITLE))
         else:
             figure.suptitle(words, fontsize=_TITLE)
 

@@ -68,7 +68,7 @@ def start_point(prepared: Prepared) -> dict[str, float]:
     """The true states and inputs of the scenario at τ = 0."""
     truth, held = prepared.loop.truth, PULSES
     table = functions(truth, held, ())
-    p, w = prepared.table.values(truth, prepared.scenario.given), [0.0] * len(held)
+    p, w = prepared.paths.values(truth, prepared.scenario.given), [0.0] * len(held)
     x = table["init"](0, p, w, [])
     outputs = np.array(table["out"](0, x, p, w, [])[0], dtype=float).ravel().tolist()
     return dict(zip(truth.y, outputs, strict=True))

@@ -137,5 +137,5 @@ def _matrix(block: Block, outputs: tuple[str, ...], order: int) -> tuple[ca.Func
 def _numbers(block: Block, prepared: Prepared) -> tuple[float, ...]:
     """The plant's parameters in the order of `block.p`."""
     known = {f"plant.{name}": name for name in block.p} | {name: name for name in block.p}
-    values = {known[path]: prepared.value(path) for path in prepared.table.paths if path in known}
+    values = {known[path]: prepared.value(path) for path in prepared.paths.parameters if path in known}
     return tuple(values.get(name, block.parameters[name].default) for name in block.p)

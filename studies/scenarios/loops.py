@@ -18,7 +18,7 @@ from ...model.symbols import ACTIVATIONS, MEASURED, QUANTITIES
 from ...observers import OBSERVERS, baseline_estimator, estimator
 from ...observers.score import MEASURES, score
 from ...observers.tendons import tendons, tendons_of_a_step
-from .paths import Table, table
+from .paths import Paths, paths_of
 
 # outputs of the truth that no one looks at while activations are not scored
 _UNSEEN = {*ACTIVATIONS, "r"}
@@ -49,7 +49,7 @@ def paper_loop(
 
 
 @functools.lru_cache(maxsize=16)
-def full_table(custom: tuple[Block, ...] = (), curves: Curves = NGUYEN2019) -> Table:
+def all_paths(custom: tuple[Block, ...] = (), curves: Curves = NGUYEN2019) -> Paths:
     """The table of all paths, whatever drives the plant."""
     loops = [paper_loop(drive, curves, custom) for drive in DRIVES]
-    return table([*(loop.truth for loop in loops), loops[0].sensors, *loops[0].observers, loops[0].score])
+    return paths_of([*(loop.truth for loop in loops), loops[0].sensors, *loops[0].observers, loops[0].score])

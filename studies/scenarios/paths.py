@@ -1,4 +1,4 @@
-"""The table of all numbers of a scenario: path, parameter, and which Block takes it."""
+"""The paths of all numbers of a scenario: each with its parameter, and the Block that takes it."""
 
 from __future__ import annotations
 
@@ -35,22 +35,22 @@ GROUPS = {"muscle": MUSCLES, "pulse": PULSES}
 
 
 @dataclass(frozen=True)
-class Table:
+class Paths:
     """All paths of a scenario, for some Blocks; the values of a Block are in the order of its `p`."""
 
     blocks: tuple[Block, ...]
-    paths: Mapping[str, Parameter]
+    parameters: Mapping[str, Parameter]
 
     def expand(self, path: str) -> list[str]:
         """The paths that `path` stands for; ScenarioError with the nearest valid names if there is none."""
-        if path in self.paths:
+        if path in self.parameters:
             return [path]
         parts = path.split(".")
         for group, members in GROUPS.items():
             if group in parts:
                 at = parts.index(group)
                 found = [".".join([*parts[:at], member, *parts[at + 1 :]]) for member in members]
-                if all(name in self.paths for name in found):
+                if all(name in self.parameters for name in found):
                     return found
         raise ScenarioError(f"unknown path {shown(path)}; the nearest are {', '.join(self.nearest(path))}")
 
@@ -66,34 +66,34 @@ class Table:
         return self.expand(path)[0] in RUN
 
     def nearest(self, path: str) -> list[str]:
-        """Paths that look like `path`, best first; if none does, those of the same table."""
-        every = [*self.paths, *self.groups()]
-        close = difflib.get_close_matches(short(path), every, n=3)
+        """Paths that look like `path`, best first; if none does, those that end alike."""
+        known = [*self.parameters, *self.groups()]
+        close = difflib.get_close_matches(short(path), known, n=3)
         last = path.rpartition(".")[2]
-        return close or [name for name in every if name.rpartition(".")[2] == last][:3] or list(RUN)
+        return close or [name for name in known if name.rpartition(".")[2] == last][:3] or list(RUN)
 
     def is_section(self, path: str) -> bool:
         """Whether there are paths below `path`, such as those of `[plant]`."""
-        return any(known.startswith(f"{path}.") for known in (*self.paths, *self.groups()))
+        return any(known.startswith(f"{path}.") for known in (*self.parameters, *self.groups()))
 
     def groups(self) -> dict[str, Parameter]:
         """The paths that set several numbers at once, and what they set."""
         return {
             path.replace(members[0], group, 1): parameter
             for group, members in GROUPS.items()
-            for path, parameter in self.paths.items()
+            for path, parameter in self.parameters.items()
             if members[0] in path.split(".")
         }
 
     def value(self, path: str, given: Mapping[str, float]) -> float:
         """The number at `path`: given, else the one it shares, else its default."""
         origin = self.origin(path, given)
-        return given.get(origin, self.paths[origin].default)
+        return given.get(origin, self.parameters[origin].default)
 
     def origin(self, path: str, given: Container[str]) -> str:
         """The path whose number `path` takes, where numbers are given at some paths: its own, or one that it shares."""
-        shared = self.paths[path].shared
-        if path in given or not shared or shared == path or shared not in self.paths:
+        shared = self.parameters[path].shared
+        if path in given or not shared or shared == path or shared not in self.parameters:
             return path
         return self.origin(shared, given)
 
@@ -111,7 +111,7 @@ class Table:
                     raise ScenarioError(f"{prefix}: {objection}")
 
 
-def table(blocks: Iterable[Block]) -> Table:
+def paths_of(blocks: Iterable[Block]) -> Paths:
     """The table of the Blocks given; the truth's paths have no prefix, those of others begin with their name."""
     blocks = tuple(blocks)
     paths = dict(RUN)
@@ -120,7 +120,7 @@ def table(blocks: Iterable[Block]) -> Table:
             paths.setdefault(path, parameter)
             if parameter.shared:
                 paths.setdefault(parameter.shared, parameter)
-    return Table(blocks, paths)
+    return Paths(blocks, paths)
 
 
 def block_paths(block: Block) -> list[str]:

@@ -17,8 +17,8 @@ from ..files.errors import ScenarioError
 from ..files.quote import shown
 from .grid import time_grid
 from .layers import Value, layers
-from .loops import full_table, paper_loop
-from .paths import Table
+from .loops import all_paths, paper_loop
+from .paths import Paths
 from .scenario import Scenario, choices, curves_of, scenario
 
 BASELINE = "baseline"
@@ -33,7 +33,7 @@ class Prepared:
 
     scenario: Scenario
     loop: Loop
-    table: Table
+    paths: Paths
     grid: Grid
     observers: tuple[str, ...]
 
@@ -52,7 +52,7 @@ class Prepared:
 
     def value(self, path: str) -> float:
         """The number at `path`."""
-        return self.table.value(path, self.scenario.given)
+        return self.paths.value(path, self.scenario.given)
 
     def own_states(self) -> Iterator[tuple[str, str, str]]:
         """Variable of the result, observer and state, for each state that is no estimate."""
@@ -81,11 +81,11 @@ def prepare(
     for observer in chosen:
         if observer not in known:
             raise ScenarioError(f"unknown observer {shown(observer)}; there are {', '.join(known)}")
-    taken = {"truth", *(path.partition(".")[0] for path in (*full_table().paths, *full_table().groups()))}
+    taken = {"truth", *(path.partition(".")[0] for path in (*all_paths().parameters, *all_paths().groups()))}
     if clash := [block.name for block in custom if block.name in taken]:
         raise ScenarioError(f"the name {clash[0]!r} is taken; give your observer another one")
-    table = full_table(custom, curves_of(choices(stacked)))
-    return assemble(scenario(name, stacked, table), chosen, custom, quantities, measures)
+    paths = all_paths(custom, curves_of(choices(stacked)))
+    return assemble(scenario(name, stacked, paths), chosen, custom, quantities, measures)
 
 
 def _spelled(value: object) -> str:
@@ -100,10 +100,10 @@ def assemble(
     measures: tuple[str, ...] = MEASURES,
 ) -> Prepared:
     """The Blocks that run a scenario; ScenarioError for numbers that do not fit together."""
-    every = full_table(custom, checked.curves)
-    every.check(checked.curves, checked.given)
+    paths = all_paths(custom, checked.curves)
+    paths.check(checked.curves, checked.given)
     loop = paper_loop(checked.drive, checked.curves, custom, None, quantities, measures)
-    prepared = Prepared(checked, loop, every, time_grid(lambda path: every.value(path, checked.given)), observers)
+    prepared = Prepared(checked, loop, paths, time_grid(lambda path: paths.value(path, checked.given)), observers)
     _check_force_factors(prepared)
     _check_samples(prepared)
     _check_variables(prepared)

@@ -14,7 +14,7 @@ from ..files.errors import ScenarioError
 from ..files.numbers import parse_number, within
 from ..files.quote import shown
 from .layers import Layer, Value, text
-from .paths import Table
+from .paths import Paths
 
 _LARGEST_SEED = 2**64 - 1
 _WHOLE = re.compile(r"[+-]?\d{1,20}", re.ASCII)
@@ -69,7 +69,7 @@ def choices(layers: Sequence[Layer]) -> dict[str, str]:
     return chosen
 
 
-def scenario(name: str, layers: Sequence[Layer], table: Table) -> Scenario:
+def scenario(name: str, layers: Sequence[Layer], paths: Paths) -> Scenario:
     """The scenario of the layers, the last one above. ScenarioError names the wrong leaf, and its layer."""
     description, seed = "", 0
     given: dict[str, float] = {}
@@ -83,9 +83,9 @@ def scenario(name: str, layers: Sequence[Layer], table: Table) -> Scenario:
                     description = text(path, value)
                 elif path == "seed":
                     seed = _seed(value)
-                elif path not in valid_choices() and not _is_empty_section(path, value, table):
-                    numbers[path] = checked_number(path, value, table)
-            given |= table.spread(numbers)
+                elif path not in valid_choices() and not _is_empty_section(path, value, paths):
+                    numbers[path] = checked_number(path, value, paths)
+            given |= paths.spread(numbers)
     changes = {path: value for layer in layers if not layer.origin for path, value in layer.leaves.items()}
     return Scenario(name, description, seed, choices(layers), given, changes)
 
@@ -106,13 +106,13 @@ def valid_choices() -> dict[str, tuple[str, ...]]:
     return {**CHOICES, **{group: CHOICES[members[0]] for group, members in _GROUPED.items()}}
 
 
-def checked_number(path: str, value: object, table: Table) -> float:
+def checked_number(path: str, value: object, paths: Paths) -> float:
     """The number at `path`, within the bounds of its parameter. ScenarioError says what it must be."""
-    return within(path, value, table.paths[table.expand(path)[0]])
+    return within(path, value, paths.parameters[paths.expand(path)[0]])
 
 
-def _is_empty_section(path: str, value: object, table: Table) -> bool:
-    return value == {} and table.is_section(path)
+def _is_empty_section(path: str, value: object, paths: Paths) -> bool:
+    return value == {} and paths.is_section(path)
 
 
 def _choice(path: str, value: object, valid: tuple[str, ...]) -> str:

@@ -13,14 +13,14 @@ from .scenario import CHOICES
 def show(source: str) -> str:
     """The TOML of a scenario with every number, its unit, meaning and source. ScenarioError if there is none."""
     prepared = prepare(source, None, {})
-    scenario, every = prepared.scenario, prepared.table
+    scenario, paths = prepared.scenario, prepared.paths
     sections: dict[str, list[str]] = {"": [f"description = {_toml(scenario.description)}"]}
     sections[""].append(f"seed = {scenario.seed}  # of the measurement noise")
     for path, valid in CHOICES.items():
         section, _, key = path.rpartition(".")
         chosen = scenario.choices.get(path, valid[0])
         sections.setdefault(section, []).append(f'{key} = "{chosen}"  # one of {", ".join(valid)}')
-    for path, parameter in every.paths.items():
+    for path, parameter in paths.parameters.items():
         section, _, key = path.rpartition(".")
         line = f"{key} = {prepared.value(path)!r}"
         if parameter.shared and parameter.shared != path and path not in scenario.given:

@@ -18,7 +18,7 @@ def gain_conditions(prepared: Prepared, truth: Trace) -> dict[str, list[Checked]
     """The gain conditions of each registered observer, with suprema from the recorded truth."""
     result, of_run = {}, facts(prepared, truth)
     for block, conditions, known in conditions_of(prepared):
-        values = dict(zip(block.p, prepared.table.values(block, prepared.scenario.given), strict=True))
+        values = dict(zip(block.p, prepared.paths.values(block, prepared.scenario.given), strict=True))
         result[block.name] = check(conditions, known, {**values, **of_run})
     return result
 

@@ -105,9 +105,9 @@ def _manifest(prepared: Prepared, traces: Mapping[str, Trace], library: str) -> 
 
 def repeatable(prepared: Prepared) -> dict[str, str]:
     """All numbers and choices of a scenario, and the versions that ran it, as text for NetCDF."""
-    scenario, table = prepared.scenario, prepared.table
+    scenario, table = prepared.scenario, prepared.paths
     used = [path for block in prepared.loop.blocks for path in block_paths(block)]
-    values = {path: prepared.value(path) for path in dict.fromkeys([*table.paths, *used])}
+    values = {path: prepared.value(path) for path in dict.fromkeys([*table.parameters, *used])}
     return {
         "Conventions": "CF-1.11",
         "scenario": scenario.name,
@@ -124,7 +124,7 @@ def _unused(prepared: Prepared) -> list[str]:
     blocks, given = prepared.loop.blocks, prepared.scenario.given
     used = {*RUN, *(path for block in blocks for path in block_paths(block))}
     used |= {parameter.shared for block in blocks for parameter in block.parameters.values()}
-    usual = {path: prepared.table.value(path, {p: v for p, v in given.items() if p != path}) for path in given}
+    usual = {path: prepared.paths.value(path, {p: v for p, v in given.items() if p != path}) for path in given}
     return [path for path, value in given.items() if path not in used and value != usual[path]]
 
 

@@ -53,5 +53,5 @@ def recorded(
 ) -> dict[str, Trace]:
     """What the truth, the sensors and the observers named do in the run of the scenario, by Block."""
     scenario = prepared.scenario
-    parameters = {block.name: prepared.table.values(block, scenario.given) for block in prepared.loop.blocks}
+    parameters = {block.name: prepared.paths.values(block, scenario.given) for block in prepared.loop.blocks}
     return compiled.run(prepared.grid, scenario.seed, parameters, observers, progress)

@@ -32,9 +32,9 @@ def swept_conditions(plan: Plan, truth: Trace) -> Violated:
     known, result = facts(plan.prepared, truth), {}
     points = np.arange(int(np.prod(plan.axes.shape)))
     slices = [points[i : i + _POINTS] for i in range(0, len(points), _POINTS)]
-    for block, conditions, every in conditions_of(plan.prepared):
-        found = [violated(conditions, every, _numbers(plan, block, some, known)) for some in slices]
-        broken = {name: np.concatenate([one[name] for one in found]) for name in found[0]}
+    for block, conditions, names in conditions_of(plan.prepared):
+        pieces = [violated(conditions, names, _numbers(plan, block, some, known)) for some in slices]
+        broken = {name: np.concatenate([piece[name] for piece in pieces]) for name in pieces[0]}
         result[block.name] = {name: at for name, at in broken.items() if at.any()}
     return {name: broken for name, broken in result.items() if broken}
 

@@ -65,7 +65,7 @@ def _fields(plan: Plan) -> dict[str, tuple[tuple[str, ...], Mapping[str, object]
 
 def _about_axis(prepared: Prepared, path: str) -> dict[str, object]:
     """What a swept parameter is, and the scenario's own value unless it has several."""
-    members = prepared.table.expand(path)
+    members = prepared.paths.expand(path)
     values = {prepared.value(member) for member in members}
     own = {"scenario_value": values.pop()} if len(values) == 1 else {}
-    return {**about(prepared.table.paths[members[0]].sentence), **own}
+    return {**about(prepared.paths.parameters[members[0]].sentence), **own}

@@ -87,7 +87,7 @@ class Plan:
         points = self.points(runs)
         result = {}
         for block in self.prepared.loop.blocks:
-            own = np.array(self.prepared.table.values(block, self.prepared.scenario.given))
+            own = np.array(self.prepared.paths.values(block, self.prepared.scenario.given))
             rows = np.broadcast_to(own, (len(runs), len(own))).copy()
             for axis, places in self.reach(block):
                 rows[:, places] = points[:, axis : axis + 1]
@@ -96,7 +96,7 @@ class Plan:
 
     def on_grids(self, runs: NDArray[np.int64]) -> Iterator[tuple[Grid, NDArray[np.intp]]]:
         """The time grids of some runs, and which of them run on each, counted within `runs`."""
-        timed = [i for i, path in enumerate(self.axes.paths) if self.prepared.table.is_run(path)]
+        timed = [i for i, path in enumerate(self.axes.paths) if self.prepared.paths.is_run(path)]
         times, which = np.unique(self.points(runs)[:, timed], axis=0, return_inverse=True)
         for place, values in enumerate(times.tolist()):
             given = dict(zip((self.axes.paths[i] for i in timed), values, strict=True))
@@ -119,15 +119,15 @@ class Plan:
         }
 
     def _grid(self, given: Mapping[str, float]) -> Grid:
-        numbers = {**self.prepared.scenario.given, **self.prepared.table.spread(given)}
-        return time_grid(lambda path: self.prepared.table.value(path, numbers))
+        numbers = {**self.prepared.scenario.given, **self.prepared.paths.spread(given)}
+        return time_grid(lambda path: self.prepared.paths.value(path, numbers))
 
     def reach(self, block: Block) -> list[tuple[int, list[int]]]:
         """For each axis, the places among the numbers of `block` that it sets."""
-        table = self.prepared.table
-        axis_of = table.spread({path: axis for axis, path in enumerate(self.axes.paths)})
+        paths = self.prepared.paths
+        axis_of = paths.spread({path: axis for axis, path in enumerate(self.axes.paths)})
         given = {*self.prepared.scenario.given, *axis_of}
-        setters = [axis_of.get(table.origin(path, given)) for path in block_paths(block)]
+        setters = [axis_of.get(paths.origin(path, given)) for path in block_paths(block)]
         places = [[i for i, setter in enumerate(setters) if setter == axis] for axis in range(len(self.axes.paths))]
         return [(axis, set_there) for axis, set_there in enumerate(places) if set_there]
 
@@ -152,10 +152,10 @@ def plan(
     prepared = prepare(source, asked, changes or {}, *scored)
     swept = axes(over, kind, samples)
     for path, values in zip(swept.paths, swept.values, strict=True):
-        if path in ("seed", "record") or not prepared.table.expand(path):
+        if path in ("seed", "record") or not prepared.paths.expand(path):
             raise ScenarioError(f"{path} cannot be swept" + ("; use seeds" if path == "seed" else ""))
         for value in np.unique(values).tolist():
-            checked_number(path, value, prepared.table)
+            checked_number(path, value, prepared.paths)
     result = Plan(prepared, swept, _seeds(seeds), estimators or prepared.observers, *scored, PART)
     _check_effect(result)
     _check_together(result, tuple(observer for observer in asked or () if isinstance(observer, Block)))
@@ -178,21 +178,21 @@ def _check_effect(plan: Plan) -> None:
     running = [block for block in loop.blocks if block not in loop.observers or block.name in plan.observers]
     effective = {axis for block in running for axis, _ in plan.reach(block)}
     for axis, path in enumerate(plan.axes.paths):
-        if axis not in effective and not plan.prepared.table.is_run(path):
+        if axis not in effective and not plan.prepared.paths.is_run(path):
             raise ScenarioError(f"{path} changes nothing here: nothing that runs and is scored takes it")
 
 
 def _check_together(plan: Plan, custom: tuple[Block, ...]) -> None:
     """Each combination of numbers that limit each other must be one that could run; `custom` are a user's observers."""
     prepared, swept = plan.prepared, plan.axes.paths
-    table, scenario = prepared.table, prepared.scenario
+    paths, scenario = prepared.paths, prepared.scenario
     groups = [[path for path in swept if path.rpartition(".")[2] in words] for words in _TOGETHER]
-    for paths in filter(None, [[path for path in swept if table.is_run(path)], *groups]):
-        rows = list(itertools.islice(combinations(plan.axes, paths), _MOST_CHECKS + 1))
+    for together in filter(None, [[path for path in swept if paths.is_run(path)], *groups]):
+        rows = list(itertools.islice(combinations(plan.axes, together), _MOST_CHECKS + 1))
         if len(rows) > _MOST_CHECKS:
-            raise ScenarioError(f"more than {_MOST_CHECKS:,} combinations of {', '.join(paths)} are too many to check")
+            raise ScenarioError(f"more than {_MOST_CHECKS:,} combinations of {', '.join(together)} are too many")
         for values in rows:
-            given = {**scenario.given, **table.spread(values)}
+            given = {**scenario.given, **paths.spread(values)}
             try:
                 assemble(replace(scenario, given=given), prepared.observers, custom, plan.quantities, plan.measures)
             except ScenarioError as error:

@@ -15,7 +15,7 @@ from hillobs.model.block import Block, Symbols, symbols
 from hillobs.model.curves import NGUYEN2019
 from hillobs.observers import OBSERVERS
 from hillobs.studies.estimate.follow import compiled_bank, follower_bank
-from hillobs.studies.scenarios.paths import table
+from hillobs.studies.scenarios.paths import paths_of
 from hillobs.studies.simulate.run import simulate
 
 pytestmark = pytest.mark.numerics
@@ -32,7 +32,7 @@ def uncorrected() -> CompiledBank:
 
 
 def numbers(compiled: CompiledBank, observer: str, given: Mapping[str, float] | None = None) -> np.ndarray:
-    every = table(compiled.bank.observers)
+    every = paths_of(compiled.bank.observers)
     block = next(block for block in compiled.bank.observers if block.name == observer)
     return np.array(every.values(block, given or {}))
 

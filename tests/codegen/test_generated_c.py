@@ -20,7 +20,7 @@ from hillobs.codegen.toolchain import NATIVE, Compiler, find_compiler, target_fl
 from hillobs.model.curves import NGUYEN2019
 from hillobs.model.pair import DRIVES
 from hillobs.studies.estimate.follow import follower_bank
-from hillobs.studies.scenarios.loops import full_table, paper_loop
+from hillobs.studies.scenarios.loops import all_paths, paper_loop
 
 SANITIZE = (
     "-O0",
@@ -128,7 +128,7 @@ int main(int argc, char **argv) {{
 
 
 def numbers_of(drive: str, given: dict[str, float]) -> dict[str, list[float]]:
-    loop, table = paper_loop(drive, NGUYEN2019), full_table()
+    loop, table = paper_loop(drive, NGUYEN2019), all_paths()
     numbers = {block.name: table.values(block, given) for block in loop.blocks}
     whose = loop.observers[0]
     numbers["front"] = [numbers[whose.name][list(whose.p).index(name)] for name in loop.bank.front.p]

@@ -85,7 +85,7 @@ def test_threads_runs_order_and_parts_change_no_bit(
 
 
 def numbers_of(prepared: Prepared) -> dict[str, Array]:
-    return {b.name: np.array(prepared.table.values(b, prepared.scenario.given)) for b in prepared.loop.blocks}
+    return {b.name: np.array(prepared.paths.values(b, prepared.scenario.given)) for b in prepared.loop.blocks}
 
 
 def test_sharing_the_truth_changes_no_bit(target: str) -> None:

@@ -12,7 +12,7 @@ from hillobs.model.block import symbols
 from hillobs.observers import OBSERVERS, PAPER, Observer
 from hillobs.observers.conditions import FACTS
 from hillobs.studies.cli.reports.listing import listing
-from hillobs.studies.scenarios.loops import full_table, paper_loop
+from hillobs.studies.scenarios.loops import all_paths, paper_loop
 from places import RECORDINGS
 
 SHORT = {"duration": 1.0, "score.start": 0.5}
@@ -22,7 +22,7 @@ RECORDING, MUSCLES = RECORDINGS / "dgf_smooth_noisy.csv.gz", RECORDINGS / "dgf_s
 @pytest.fixture
 def registered(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """The registry with one line more, from an empty memory of loops."""
-    memories = (paper_loop, full_table)
+    memories = (paper_loop, all_paths)
     for memory in memories:
         memory.cache_clear()
     monkeypatch.setitem(OBSERVERS, "double_pole", DOUBLE_POLE)

@@ -15,7 +15,7 @@ from ...files.pages import documentation
 from ...files.quote import escaped
 from ...files.versions import versions
 from ...scenarios.layers import shipped
-from ...scenarios.loops import full_table
+from ...scenarios.loops import all_paths
 from ...scenarios.scenario import CHOICES
 from ...scenarios.show import describe
 from .number import counted
@@ -80,11 +80,11 @@ def _curves() -> Iterator[str]:
 
 
 def _parameters() -> Iterator[str]:
-    every = full_table()
+    paths = all_paths()
     yield f"{'path':44} {'default':>10}  meaning [unit, where it is not 1] (source)"
     for path, valid in CHOICES.items():
         yield f"{path:44} {valid[0]:>10}  one of {', '.join(valid)}"
-    own = {path: parameter for path, parameter in every.paths.items() if parameter.shared in ("", path)}
+    own = {path: parameter for path, parameter in paths.parameters.items() if parameter.shared in ("", path)}
     yield from (f"{path:44} {p.default:>10.6g}  {describe(p)}" for path, p in own.items())
     yield "Other curves have other numbers in the place of the paper's: `hillobs list curves`."
     yield "`muscle.k` sets muscle1.k and muscle2.k; likewise all of muscle, and pulse. In one file or on one command"

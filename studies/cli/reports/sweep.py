@@ -77,10 +77,10 @@ def notes(dataset: xr.Dataset) -> Iterator[str]:
 
 def _errors(dataset: xr.Dataset) -> Iterator[tuple[str, str, xr.DataArray, Optimum | None]]:
     """Each observer and quantity with a number: its median errors, and their optimum if it has one."""
-    every = medians(dataset)
+    errors = medians(dataset)
     for observer in dataset.observer.values.tolist():
         for quantity in shown_of(dataset, _SHOWN):
-            median = every.sel(observer=observer, quantity=quantity)
+            median = errors.sel(observer=observer, quantity=quantity)
             if median.notnull().any():
                 yield label(observer), quantity, median, optimum(dataset, median, observer)
 

@@ -44,7 +44,7 @@ _FLAT = 1e-3
 def maps(dataset: xr.Dataset, observer: str, quantities: Sequence[str]) -> Figure:
     """Median RMSE of each quantity over the two parameters that vary in a grid, for one observer."""
     flat, (x, y) = flattened(dataset), varied(dataset)
-    every = medians(flat).sel(observer=observer).transpose(y, x, "quantity")
+    errors = medians(flat).sel(observer=observer).transpose(y, x, "quantity")
     lost = failed(flat).sel(observer=observer).any("seed").transpose(y, x)
     broken = violated(flat, observer).any("condition")
     own_values = {path: value for path in (x, y) if (value := own_value(flat, path)) is not None}
@@ -52,7 +52,7 @@ def maps(dataset: xr.Dataset, observer: str, quantities: Sequence[str]) -> Figur
     with settings():
         figure, found = panels(quantities)
         for quantity, axes in found.items():
-            median = every.sel(quantity=quantity)
+            median = errors.sel(quantity=quantity)
             _colours(figure, axes, median)
             _hatch(axes, lost, _FAILED)
             if broken.dims:
@@ -105,8 +105,8 @@ def _ridge(flat: xr.Dataset, median: xr.DataArray, observer: str) -> list[Optimu
     given = [path for path in median.dims if path not in own(flat, observer)]
     if len(given) == len(median.dims):
         return []
-    every = [median.isel({given[0]: i}) for i in range(median.sizes[given[0]])] if given else [median]
-    return [found for one in every if (found := smallest(flat, one, observer)) is not None]
+    lines = [median.isel({given[0]: i}) for i in range(median.sizes[given[0]])] if given else [median]
+    return [found for one in lines if (found := smallest(flat, one, observer)) is not None]
 
 
 def _handles(flat: xr.Dataset, observer: str, optima: Sequence[Optimum], own_values: bool) -> list[Artist]:

@@ -57,12 +57,12 @@ def panels(quantities: Sequence[str]) -> tuple[Figure, dict[str, Axes]]:
 
 def name_axes(panels: Mapping[str, Axes], x: str, y: str) -> None:
     """Names on the lowest panel of each column and on the left ones; numbers of x, which all share, only there."""
-    every = list(panels.values())
-    for axes in every[:-_COLUMNS]:
+    in_order = list(panels.values())
+    for axes in in_order[:-_COLUMNS]:
         axes.tick_params(labelbottom=False)
-    for axes in every[-_COLUMNS:]:
+    for axes in in_order[-_COLUMNS:]:
         axes.set_xlabel(x)
-    for axes in every[::_COLUMNS]:
+    for axes in in_order[::_COLUMNS]:
         axes.set_ylabel(y)
 
 
@@ -102,8 +102,8 @@ def edges(values: Array) -> Array:
 def number(axis: Axis, low: float, high: float, room: int = _ROOM_UP) -> None:
     """Numbers on a logarithmic axis: as many powers of ten and numbers between them as there is room for."""
     powers = 10.0 ** np.arange(np.floor(np.log10(low)), np.ceil(np.log10(high)) + 1)
-    every = [powers[::step] for step in range(2, len(powers) + 1)]
-    choices = [*(np.outer(powers, between).ravel() for between in _BETWEEN), *every]
+    powers_alone = [powers[::step] for step in range(2, len(powers) + 1)]
+    choices = [*(np.outer(powers, between).ravel() for between in _BETWEEN), *powers_alone]
     inside: list[Array] = [
         numbers[(numbers >= low * (1 - _ROUNDING)) & (numbers <= high * (1 + _ROUNDING))] for numbers in choices
     ]

@@ -31,7 +31,7 @@ def scatter(dataset: xr.Dataset, quantities: Sequence[str]) -> Figure:
     """Median RMSE of each quantity at each point, a row per quantity and a column per parameter that varies."""
     paths, axes_ = varied(dataset), axes_of(dataset)
     values = dict(zip(axes_.paths, axes_.at(np.arange(int(np.prod(axes_.shape)))).T, strict=True))
-    every, looks = medians(dataset), style.observer_styles(dataset.observer.values.tolist())
+    errors, looks = medians(dataset), style.observer_styles(dataset.observer.values.tolist())
     broken = {observer: _broken(dataset, observer) for observer in looks}
     with settings():
         figure = Figure(figsize=(style.PAGE, _AROUND + _ROW * len(quantities)), layout="constrained")
@@ -39,7 +39,7 @@ def scatter(dataset: xr.Dataset, quantities: Sequence[str]) -> Figure:
         for quantity, row in zip(quantities, rows, strict=True):
             for path, axes in zip(paths, row, strict=True):
                 for observer, look in looks.items():
-                    median = every.sel(observer=observer, quantity=quantity).values.ravel()
+                    median = errors.sel(observer=observer, quantity=quantity).values.ravel()
                     for point, where in ((_POINT, ~broken[observer]), (_VIOLATED, broken[observer])):
                         axes.plot(values[path][where], median[where], color=look["color"], rasterized=True, **point)
                 if (own := own_value(dataset, path)) is not None:

@@ -23,7 +23,7 @@ from hillobs.studies.estimate.noise import despiked, noise
 from hillobs.studies.estimate.substeps import substeps
 from hillobs.studies.estimate.timescales import smoothed, twice_integrated
 from hillobs.studies.files.errors import ScenarioError
-from hillobs.studies.scenarios.paths import table
+from hillobs.studies.scenarios.paths import paths_of
 from places import DATA
 
 EXCERPT = DATA / "gains_dgf_random_noisy.csv"
@@ -188,7 +188,7 @@ def block_of(observer: str) -> Block:
 def steps(observer: str, given: Mapping[str, float], T: float) -> int:
     """Substeps with these numbers (name → value), whatever shares one of them, and defaults."""
     block = block_of(observer)
-    values = table([block]).values(block, {f"{observer}.{name}": value for name, value in given.items()})
+    values = paths_of([block]).values(block, {f"{observer}.{name}": value for name, value in given.items()})
     return substeps(OBSERVERS[observer], block, dict(zip(block.p, values, strict=True)), {}, T)
 
 

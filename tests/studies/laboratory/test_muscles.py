@@ -20,7 +20,7 @@ from hillobs.model.curves import CURVES, NGUYEN2019
 from hillobs.studies.files.errors import ScenarioError
 from hillobs.studies.laboratory.muscles import SCALED, MusclePair, muscle_file, muscle_pair, read_muscles
 from hillobs.studies.laboratory.scales import scales
-from hillobs.studies.scenarios.loops import full_table
+from hillobs.studies.scenarios.loops import all_paths
 from places import DOCS, RECORDINGS
 
 SETS = {"dgf_smooth": "degroote_fregly2016", "dgf_random": "degroote_fregly2016", "millard_steps": "millard2012"}
@@ -164,9 +164,9 @@ def test_the_paper_s_pair_is_its_own_scale() -> None:
         "mass = 1\nC = 5.54\n[muscle]\ncurves = 'nguyen2019'\nF_max = 1\noptimal_fibre_length = 1\n"
         "tendon_slack_length = 2\nv_max = 1\n"
     )
-    table = full_table()
+    table = all_paths()
     for path, value in scales(pair).numbers.items():
-        assert value == table.paths[path].default, path
+        assert value == table.parameters[path].default, path
 
 
 @given(st.floats(1e-3, 1e3), st.floats(0.01, 1), st.floats(1, 1e5), st.floats(1, 30), st.floats(-1e3, 1e3))

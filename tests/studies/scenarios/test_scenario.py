@@ -18,7 +18,7 @@ from hillobs.observers.ports import ESTIMATES
 from hillobs.studies.files.errors import ResultError, ScenarioError
 from hillobs.studies.files.quote import shown
 from hillobs.studies.scenarios.layers import Layer, layer, layers, shipped
-from hillobs.studies.scenarios.loops import full_table
+from hillobs.studies.scenarios.loops import all_paths
 from hillobs.studies.scenarios.paths import block_paths
 from hillobs.studies.scenarios.prepare import prepare
 from hillobs.studies.scenarios.scenario import Scenario, parse_change, scenario
@@ -26,25 +26,25 @@ from hillobs.studies.scenarios.show import show
 from hillobs.studies.simulate.files import save
 from hillobs.studies.simulate.run import simulate
 
-TABLE = full_table()
+PATHS = all_paths()
 
 
 def document(content: dict[str, Any], changes: dict[str, Any]) -> Scenario:
     """A document with changes on top."""
-    return scenario("s", [layer("", content), Layer("", changes)], TABLE)
+    return scenario("s", [layer("", content), Layer("", changes)], PATHS)
 
 
 def values(*layers: dict[str, object], **changes: float) -> dict[str, float]:
     """All numbers of a document with changes on top."""
     content = layers[0] if layers else {}
     given_numbers = document(content, changes).given
-    return {path: TABLE.value(path, given_numbers) for path in TABLE.paths}
+    return {path: PATHS.value(path, given_numbers) for path in PATHS.parameters}
 
 
 def test_the_shipped_scenarios_are_valid_and_described() -> None:
     assert list(shipped()) == ["paper-clean", "paper-noisy", "challenge", "slack", "slack-deep", "activation"]
     for name in shipped():
-        assert len(scenario(*layers(name, {}), TABLE).description) > 20
+        assert len(scenario(*layers(name, {}), PATHS).description) > 20
 
 
 def test_a_group_sets_its_members_and_a_member_of_the_same_layer_wins() -> None:
@@ -69,14 +69,16 @@ def test_shared_numbers_follow_until_they_are_untied() -> None:
 
 def test_every_path_reaches_exactly_the_blocks_that_use_it() -> None:
     """Changing a path changes the parameter vectors of its own Block and of those that share it, and of no other."""
-    for path, parameter in TABLE.paths.items():
+    for path, parameter in PATHS.parameters.items():
         value = parameter.default + 0.25 * (1 if parameter.default < parameter.most else -1)
         given_numbers = {path: value}
-        for block in TABLE.blocks:
-            before, after = TABLE.values(block, {}), TABLE.values(block, given_numbers)
+        for block in PATHS.blocks:
+            before, after = PATHS.values(block, {}), PATHS.values(block, given_numbers)
             changed = {p for p, b, a in zip(block_paths(block), before, after, strict=True) if a != b}
             users = {
-                p for p in block_paths(block) if p == path or (TABLE.paths[p].shared == path and p not in given_numbers)
+                p
+                for p in block_paths(block)
+                if p == path or (PATHS.parameters[p].shared == path and p not in given_numbers)
             }
             assert changed == users, path
 
@@ -237,7 +239,7 @@ def test_any_text_as_a_change_is_a_number_or_a_sentence(text: str) -> None:
 
 
 @settings(max_examples=300)
-@given(st.sampled_from(sorted(TABLE.paths)), st.sampled_from([True, "1.5", [], float("nan"), float("-inf"), None]))
+@given(st.sampled_from(sorted(PATHS.parameters)), st.sampled_from([True, "1.5", [], float("nan"), float("-inf"), None]))
 def test_one_broken_leaf_in_a_valid_document_is_the_one_named(path: str, broken: object) -> None:
     content: dict[str, Any] = tomllib.loads(show("paper-noisy"))
     at = content
@@ -268,18 +270,18 @@ def test_any_bytes_as_a_file_are_a_scenario_or_a_sentence(noise: bytes, dice: ra
 
 
 def test_every_group_sets_all_its_members_and_nothing_else() -> None:
-    groups = TABLE.groups()
+    groups = PATHS.groups()
     assert {"muscle.k", "pulse.start", "high_gain.muscle.k", "controller.muscle.toe"} <= set(groups)
     for group, parameter in groups.items():
         value = parameter.default * 0.99 + 0.25 * (parameter.default == 0)
-        members = TABLE.expand(group)
+        members = PATHS.expand(group)
         assert len(members) == 2
         assert document({}, {group: value}).given == dict.fromkeys(members, value)
 
 
 def test_every_leaf_below_its_bound_is_named() -> None:
     """One path at a time, through its own name and through its group's."""
-    paths = {**TABLE.paths, **TABLE.groups()}
+    paths = {**PATHS.parameters, **PATHS.groups()}
     bounded = {path: p for path, p in paths.items() if max(p.above, p.least) > float("-inf")}
     assert len(bounded) > 80
     for path, parameter in bounded.items():
@@ -289,7 +291,7 @@ def test_every_leaf_below_its_bound_is_named() -> None:
 
 
 @settings(max_examples=300)
-@given(st.sampled_from(sorted(TABLE.paths)), st.data())
+@given(st.sampled_from(sorted(PATHS.parameters)), st.data())
 def test_a_key_with_a_slip_of_the_finger_is_named_with_valid_ones(path: str, data: st.DataObject) -> None:
     at = data.draw(st.integers(0, len(path) - 1))
     wrong = path[:at] + data.draw(st.sampled_from("abkx_.")) + path[at + data.draw(st.booleans()) :]
@@ -301,7 +303,7 @@ def test_a_key_with_a_slip_of_the_finger_is_named_with_valid_ones(path: str, dat
         message = ""
     if message.startswith("unknown"):
         assert message.startswith(f"unknown path {wrong!r}; the nearest are ")
-        assert all(name in {**TABLE.paths, **TABLE.groups()} for name in message.partition(" are ")[2].split(", "))
+        assert all(name in {**PATHS.parameters, **PATHS.groups()} for name in message.partition(" are ")[2].split(", "))
 
 
 LEAVES = {

@@ -12,7 +12,7 @@ from hillobs.model.symbols import QUANTITIES
 from hillobs.observers import OBSERVERS as REGISTERED
 from hillobs.observers.score import MEASURES
 from hillobs.studies.files.errors import ScenarioError
-from hillobs.studies.scenarios.loops import full_table
+from hillobs.studies.scenarios.loops import all_paths
 from hillobs.studies.scenarios.paths import RUN, block_paths
 from hillobs.studies.scenarios.prepare import BASELINE, prepare
 from hillobs.studies.simulate.run import simulate
@@ -63,7 +63,7 @@ def another(path: str, own: float) -> float:
     """A value of the parameter that matters where `own` does not, or the other way round."""
     if reached := [value for name, value in REACHED.items() if f".{path}".endswith(f".{name}")]:
         return reached[0]
-    return own * (1.01 if not full_table().paths[path].objection(own * 1.01) else 0.99) or 0.01
+    return own * (1.01 if not all_paths().parameters[path].objection(own * 1.01) else 0.99) or 0.01
 
 
 def run_together(sweeps: list[Plan]) -> np.ndarray:
@@ -95,7 +95,7 @@ def test_every_parameter_of_every_block_reaches_the_run(drive: str) -> None:
     changes = {**ACTIVE, "plant.drive": drive}
     prepared = prepare("challenge", None, changes)
     paths = list(dict.fromkeys(path for block in prepared.loop.blocks for path in block_paths(block)))
-    table = full_table()
+    table = all_paths()
     groups = [path for path in table.groups() if path not in RUN and set(table.expand(path)) <= set(paths)]
     assert "muscle.k" in groups
     values = {path: another(table.expand(path)[0], prepared.value(table.expand(path)[0])) for path in [*paths, *groups]}
@@ -130,11 +130,11 @@ def test_no_parameter_is_forgotten() -> None:
         blocks = prepare("challenge", None, {"plant.drive": drive}).loop.blocks
         found |= {path for block in blocks for path in block_paths(block)}
     # what all Blocks share that have it has a path of its own
-    shared = {parameter.shared for parameter in full_table().paths.values() if parameter.shared}
-    assert set(full_table().paths) == found | shared
+    shared = {parameter.shared for parameter in all_paths().parameters.values() if parameter.shared}
+    assert set(all_paths().parameters) == found | shared
 
 
-SHARED = sorted({p.shared for p in full_table().paths.values() if p.shared})
+SHARED = sorted({p.shared for p in all_paths().parameters.values() if p.shared})
 
 
 def test_a_shared_number_reaches_all_who_share_it() -> None:
@@ -147,7 +147,7 @@ def test_a_shared_number_reaches_all_who_share_it() -> None:
             (block, own_path)
             for block in prepared.loop.blocks
             for own_path in block_paths(block)
-            if prepared.table.paths[own_path].shared == path
+            if prepared.paths.parameters[own_path].shared == path
         ]
         assert users
         for block, own_path in users:
@@ -213,7 +213,7 @@ def test_every_number_of_the_run_itself_reaches_it(path: str) -> None:
     points = [np.stack([found[measure].isel({path: i}).values for measure in MEASURES], axis=1) for i in range(2)]
     assert not same(*points)
     for value, point in zip(TIMES[path], points, strict=True):
-        assert same(point, alone({**ACTIVE, **dict.fromkeys(full_table().expand(path), value)}))
+        assert same(point, alone({**ACTIVE, **dict.fromkeys(all_paths().expand(path), value)}))
 
 
 def test_the_seed_reaches_the_run() -> None:
