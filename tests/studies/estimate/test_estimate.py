@@ -74,7 +74,8 @@ def test_the_correction_is_worth_it(noisy: xr.Dataset) -> None:
     plain = estimate(SHIPPED, MUSCLES, corrected=False)
     for quantity in ("velocity", "activation"):
         before, after = rmse(plain, quantity), rmse(noisy, quantity)
-        assert before["high_gain"] == after["high_gain"]
+        # it has no layers to correct; the two libraries may round last bits, 1e−16, otherwise, and gains make 1e3 of them
+        assert before["high_gain"] == pytest.approx(after["high_gain"], rel=1e-12)
         for name in ("sliding_mode", "adaptive_sliding_mode"):
             assert before[name] > 1.15 * after[name], (quantity, name)
 
