@@ -78,7 +78,8 @@ def test_the_correction_is_worth_it(noisy: xr.Dataset) -> None:
     plain = estimate(SHIPPED, MUSCLES, corrected=False)
     for quantity in ("velocity", "activation"):
         before, after = rmse(plain, quantity), rmse(noisy, quantity)
-        assert before["high_gain"] == after["high_gain"]
+        # no layers to correct: two libraries differ by last bits, 1e−16, of which its gains make at most 1e3
+        assert before["high_gain"] == pytest.approx(after["high_gain"], rel=1e-12)
         for name in ("sliding_mode", "adaptive_sliding_mode"):
             assert before[name] > 1.15 * after[name], (quantity, name)
 
