@@ -116,7 +116,7 @@ def test_the_commands_of_a_page_exist_with_their_options(page: Path, desk: Path)
 def test_the_numbers_that_shown_commands_change_exist() -> None:
     paths = {"seed", "muscle.curves", "muscle1.curves", "muscle2.curves", "plant.drive"}
     for curves in (NGUYEN2019, THELEN2003):
-        paths |= all_paths((), curves).paths.keys() | all_paths((), curves).groups().keys()
+        paths |= all_paths((), curves).parameters.keys() | all_paths((), curves).groups().keys()
     text = "\n".join(page.read_text(encoding="utf-8") for page in (*PAGES, *OTHERS))
     changed = set(re.findall(r"--(?:set|over|zip|design) +([a-z_]\w*(?:\.\w+)*)=", text))
     assert len(changed) > 5

@@ -91,5 +91,5 @@ def test_sections_are_those_of_the_paper() -> None:
 @pytest.mark.parametrize("curves", CURVES.values(), ids=CURVES)
 def test_every_number_names_where_it_comes_from(curves) -> None:
     known = ("paper", "chosen", "derived", "docs/", "OpenSim")
-    sources = {path: parameter.source for path, parameter in all_paths((), curves).paths.items()}
+    sources = {path: parameter.source for path, parameter in all_paths((), curves).parameters.items()}
     assert {path: source for path, source in sources.items() if not source.startswith(known)} == {}

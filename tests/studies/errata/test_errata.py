@@ -23,6 +23,7 @@ from hillobs.observers.sliding_mode import sliding_mode
 from hillobs.studies.cli.reports.errata import tables
 from hillobs.studies.errata import printed
 from hillobs.studies.errata import run as study
+from hillobs.studies.scenarios.layers import Layer, layer
 from hillobs.studies.simulate.run import simulate
 
 POINTS = 200
@@ -361,7 +362,7 @@ def check_observers(rows: Mapping[str, study.Estimation]) -> None:
 
 def test_an_observer_that_diverges_says_when(monkeypatch):
     wild = {"adaptive_as_printed": {"alpha0": 1e200}}
-    monkeypatch.setattr(study, "read", lambda name: (name, wild))
+    monkeypatch.setattr(study, "layers", lambda name, changes: (name, [layer(name, wild), Layer("", changes)]))
     row = study._estimation(study.Variant("wild", ()), lambda done: None)
     assert re.fullmatch(r"diverges at τ = [\d.]+", row.failure)
     assert np.isnan(row.rmse["x2"])

@@ -375,8 +375,8 @@ def test_an_axis_has_its_symbol_and_an_owner_where_names_are_shared(path: str, e
 
 
 def test_every_parameter_has_a_symbol_that_can_be_drawn_and_is_its_own() -> None:
-    table = prepare("paper-noisy", None, {}).table
-    symbols = {path: symbol(path) for path in table.parameters}
+    parameters = prepare("paper-noisy", None, {}).paths.parameters
+    symbols = {path: symbol(path) for path in parameters}
     shared = {text for text in symbols.values() if list(symbols.values()).count(text) > 1}
     assert not shared
     figure = Figure(figsize=(10, 60))

@@ -25,6 +25,10 @@ from places import DATA
 REFERENCE = DATA / "paper_clean.csv.gz"
 
 
+# what the files of the run below are called
+STEM = "slack,duration=0.3,score.start=0.1,seed=5"
+
+
 @pytest.fixture(scope="module")
 def run() -> xr.Dataset:
     return simulate("slack", changes={"duration": 0.3, "score.start": 0.1, "seed": 5})
@@ -34,7 +38,7 @@ def test_what_is_written_is_read_back_bit_for_bit(run: xr.Dataset, tmp_path: Pat
     broken = run.copy(deep=True)
     broken.x_hat[0, 3:] = np.nan
     save(broken, tmp_path)
-    back = load(tmp_path / "slack.nc")
+    back = load(tmp_path / f"{STEM}.nc")
     for name, variable in broken.variables.items():
         np.testing.assert_array_equal(back[name].values.astype(variable.dtype), variable.values, err_msg=str(name))
     assert back.attrs == broken.attrs
@@ -44,7 +48,7 @@ def test_what_is_written_is_read_back_bit_for_bit(run: xr.Dataset, tmp_path: Pat
 
 def test_the_csv_begins_with_the_references_columns(run: xr.Dataset, tmp_path: Path) -> None:
     save(run, tmp_path)
-    lines = (tmp_path / "slack.csv").read_text().splitlines()
+    lines = (tmp_path / f"{STEM}.csv").read_text().splitlines()
     with gzip.open(REFERENCE, "rt") as file:
         names = file.readline().strip().split(",")
     header = lines[0].split(",")
@@ -179,7 +183,7 @@ print(counts)
 def test_a_flipped_bit_never_gives_other_numbers(run: xr.Dataset, tmp_path: Path) -> None:
     """96 flips, each refused."""
     save(run.isel(time=slice(0, 8)), tmp_path)
-    command = [sys.executable, "-c", DAMAGED, tmp_path / "slack.nc", "1", "96"]
+    command = [sys.executable, "-c", DAMAGED, tmp_path / f"{STEM}.nc", "1", "96"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert "silence" not in done.stderr, done.stderr
     assert done.returncode == 0, done.stderr[-500:]
@@ -198,10 +202,10 @@ def test_others_can_read_a_result(engine: str, run: xr.Dataset, tmp_path: Path) 
     """The seal behind the content is no part of the HDF5 file."""
     save(run, tmp_path)
     if engine == "h5py":
-        with h5py.File(tmp_path / "slack.nc") as file:
+        with h5py.File(tmp_path / f"{STEM}.nc") as file:
             np.testing.assert_array_equal(file["x_hat"][:], run.x_hat)
     else:
-        with xr.open_dataset(tmp_path / "slack.nc", engine=engine) as file:
+        with xr.open_dataset(tmp_path / f"{STEM}.nc", engine=engine) as file:
             xr.testing.assert_identical(file.x_hat.load(), run.x_hat)
 
 
@@ -278,7 +282,7 @@ WEAK_PLACES = {
 def test_a_flipped_bit_at_a_weak_place_is_found(where: str, run: xr.Dataset, tmp_path: Path) -> None:
     """Values, labels and attributes are what was written, or there is a sentence; NaN is another number too."""
     save(run.isel(time=slice(0, 8)), tmp_path)
-    command = [sys.executable, "-c", REFUSES, tmp_path / "slack.nc", *map(str, WEAK_PLACES[where])]
+    command = [sys.executable, "-c", REFUSES, tmp_path / f"{STEM}.nc", *map(str, WEAK_PLACES[where])]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr[-500:]
     if int(done.stdout) == 0:
@@ -288,18 +292,18 @@ def test_a_flipped_bit_at_a_weak_place_is_found(where: str, run: xr.Dataset, tmp
 
 def test_a_number_that_was_changed_is_found(run: xr.Dataset, tmp_path: Path) -> None:
     save(run, tmp_path)
-    with h5py.File(tmp_path / "slack.nc", "r+") as file:
+    with h5py.File(tmp_path / f"{STEM}.nc", "r+") as file:
         file["x_hat"][0, 3, 0] += 1.0
     with pytest.raises(ResultError, match="damaged"):
-        load(tmp_path / "slack.nc")
+        load(tmp_path / f"{STEM}.nc")
 
 
 @pytest.mark.parametrize("part", [0.0, 0.001, 0.1, 0.5, 0.9, 0.999])
 def test_a_file_that_was_cut_is_refused(part: float, run: xr.Dataset, tmp_path: Path) -> None:
     save(run, tmp_path)
-    path = tmp_path / "slack.nc"
+    path = tmp_path / f"{STEM}.nc"
     path.write_bytes(path.read_bytes()[: int(part * path.stat().st_size)])
-    with pytest.raises(ResultError, match=r"slack\.nc cannot be read"):
+    with pytest.raises(ResultError, match=r"\.nc cannot be read"):
         load(path)
 
 
@@ -310,9 +314,9 @@ def test_every_double_is_read_back_from_netcdf_and_csv(run: xr.Dataset, tmp_path
     odd = run.copy(deep=True)
     odd.x.values[: len(ODD), 0] = ODD
     save(odd, tmp_path)
-    back = load(tmp_path / "slack.nc")
+    back = load(tmp_path / f"{STEM}.nc")
     assert back.x.values.tobytes() == odd.x.values.tobytes()
-    with (tmp_path / "slack.csv").open(newline="") as file:
+    with (tmp_path / f"{STEM}.csv").open(newline="") as file:
         texts = [row["x1"] for row in csv.DictReader(file)][: len(ODD)]
     assert np.array([float(t or "nan") for t in texts]).tobytes() == np.array(ODD).tobytes()
 
@@ -341,7 +345,7 @@ def test_a_disk_that_fills_up_leaves_whole_files_or_none(size: int, run: xr.Data
     """NetCDF, time series and measures: what is there under a final name is complete."""
     save(run, tmp_path)
     (tmp_path / "full").mkdir()
-    command = [sys.executable, "-c", SAVE, tmp_path / "slack.nc", tmp_path / "full", str(size)]
+    command = [sys.executable, "-c", SAVE, tmp_path / f"{STEM}.nc", tmp_path / "full", str(size)]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert "cannot be written: File too large" in done.stdout

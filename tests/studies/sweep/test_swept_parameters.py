@@ -163,7 +163,7 @@ def test_one_muscle_wins_over_both() -> None:
     for run, k in enumerate((19.0, 20.0)):
         given = prepare("paper-clean", None, {"muscle.k": k, "muscle1.k": 18.0, "plant.m": 1.1})
         for block in given.loop.blocks:
-            expected = given.table.values(block, given.scenario.given)
+            expected = given.paths.values(block, given.scenario.given)
             np.testing.assert_array_equal(wanted.numbers(np.arange(2))[block.name][run], expected)
 
 
