@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from .activations import given_activations
 from .backstepping import backstepping
 from .block import Block
 from .curves import NGUYEN2019, Curves
 from .pair import pair
-from .pulses import PULSES, pulses
-from .reference import reference
 from .sensors import SENSED
+from .signals.activations import given_activations
+from .signals.pulses import PULSES, pulses
+from .signals.reference import reference
+from .signals.uncertainty import uncertainty
 from .symbols import QUANTITIES, STATES
-from .uncertainty import uncertainty
 from .wiring import rename, wire
 
 TAUT = ("taut1", "taut2")

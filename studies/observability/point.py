@@ -11,7 +11,7 @@ import casadi as ca
 import numpy as np
 
 from ...codegen.stepper import functions
-from ...model.pulses import PULSES
+from ...model.signals.pulses import PULSES
 from ...model.symbols import MUSCLES
 from ...observers.observability import TOLERANCE, Verdict, judge
 from ..files.errors import ScenarioError

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 
 from ...codegen.memory import Grid
-from ...model.pulses import PULSES
+from ...model.signals.pulses import PULSES
 from ..files.errors import ScenarioError
 
 # a run of 10⁹ steps takes an hour; a million recorded points are 1 GB

@@ -12,8 +12,8 @@ from ...model.block import Block
 from ...model.closed_loop import closed_loop
 from ...model.curves import NGUYEN2019, Curves
 from ...model.pair import DRIVES
-from ...model.pulses import PULSES
 from ...model.sensors import NOISE_CHANNELS, sensors
+from ...model.signals.pulses import PULSES
 from ...model.symbols import ACTIVATIONS, MEASURED, QUANTITIES
 from ...observers import OBSERVERS, baseline_estimator, estimator
 from ...observers.score import MEASURES, score

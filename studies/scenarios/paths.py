@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from ...model.block import Block, Parameter
 from ...model.curves import Curves, by_muscle
-from ...model.pulses import PULSES
+from ...model.signals.pulses import PULSES
 from ...model.symbols import MUSCLES
 from ..files.errors import ScenarioError
 from ..files.quote import short, shown

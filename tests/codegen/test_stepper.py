@@ -9,8 +9,8 @@ from hillobs.codegen.stepper import functions
 from hillobs.model.block import Block, BlockError, Parameter, Symbols, symbols
 from hillobs.model.closed_loop import closed_loop
 from hillobs.model.pair import DRIVES
-from hillobs.model.pulses import PULSES
 from hillobs.model.sensors import NOISE_CHANNELS, SENSED, sensors
+from hillobs.model.signals.pulses import PULSES
 from hillobs.model.symbols import MEASURED, QUANTITIES, hat
 from hillobs.observers import OBSERVERS, baseline_estimator, estimator
 from hillobs.observers.score import score

@@ -14,9 +14,9 @@ from hillobs.model.block import Block, Symbols, symbols
 from hillobs.model.closed_loop import closed_loop
 from hillobs.model.curves import NGUYEN2019
 from hillobs.model.pair import DRIVES, pair
-from hillobs.model.reference import reference
+from hillobs.model.signals.reference import reference
+from hillobs.model.signals.uncertainty import uncertainty
 from hillobs.model.symbols import SIGNALS, STATES
-from hillobs.model.uncertainty import uncertainty
 
 
 def numbers(block: Block, **changes: float) -> list[float]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import casadi as ca
 
-from .block import Block, Parameter, Parameters, Symbols, symbols
+from ..block import Block, Parameter, Parameters, Symbols, symbols
 
 _PAPER = "paper, §V"
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .block import Block, Parameters, Symbols, symbols
+from ..block import Block, Parameters, Symbols, symbols
 from .reference import signal, sine
 
 # offset and amplitude per muscle: anti-phase about an equal co-contraction

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .block import Block, symbols
+from ..block import Block, symbols
 from .reference import derivatives, signal, sine
 
 

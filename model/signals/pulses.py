@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .block import Block, Parameter, Parameters, Symbols, symbols
+from ..block import Block, Parameter, Parameters, Symbols, symbols
 
 PULSES = ("pulse1", "pulse2")
 

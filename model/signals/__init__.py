@@ -1,0 +1,1 @@
+"""What moves the world from outside, as functions of time: reference, uncertainty, given activations, pulses."""
