@@ -70,7 +70,10 @@ class Forks:
         assert self._process.stdin
         assert self._process.stdout
         print(json.dumps(asked), file=self._process.stdin, flush=True)
-        return Result(**json.loads(self._process.stdout.readline()))
+        answer = json.loads(self._process.stdout.readline())
+        # which test is the first to compile a library is chance
+        complaints = [line for line in answer["err"].splitlines(keepends=True) if "hillobs: compiling " not in line]
+        return Result(**{**answer, "err": "".join(complaints)})
 
     def memory(self) -> int:
         """Bytes of address space that the process has."""

@@ -35,6 +35,8 @@ _ADDRESS = re.compile(r"(?:(tcp|tls)://)?(\[[0-9a-fA-F:.]+\]|[\w.-]+):(\d{1,5})"
 _ANSWER = 5.0  # seconds that a scheduler may take to answer at first
 _PATIENCE = 60.0  # seconds that a cluster may be without a worker
 _LOOK = 1.0  # seconds between two looks at a silent cluster
+# what becomes of a future whose worker dies after it has finished
+_LOST = ("lost", "pending")
 _AHEAD = 2  # parts under way for each thread of the cluster
 
 
@@ -101,17 +103,28 @@ class _Crew:
                 future.add_done_callback(self._ended.put)
             if not running:
                 return
-            finished = []
             for future in self._batch():
                 part, _ = running.pop(future.key)
-                if future.status == "finished":
-                    finished.append((part, future))
+                if (rows := self._rows(future)) is not None:
+                    yield part, rows
+                elif future.status in _LOST:
+                    waiting = itertools.chain([part], waiting)
                 elif future.status == "error" and type(future.exception()).__name__ == "KilledWorker":
                     killed(part)
                 else:
                     raise self._failure(future)
-            rows = self._client.gather([future for _, future in finished])
-            yield from zip((part for part, _ in finished), rows, strict=True)
+
+    def _rows(self, future: Future) -> Rows | None:
+        """The rows of a future that has ended; None if it has none, or if the worker that holds them is lost."""
+        if future.status != "finished":
+            return None
+        try:
+            rows: Rows = self._client.gather(future)
+        except CancelledError:
+            if future.status in _LOST:
+                return None
+            raise
+        return rows
 
     def _room(self) -> int:
         """How many parts may be under way."""

@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -115,6 +116,29 @@ def test_a_part_that_kills_workers_is_named_and_the_others_kept(
     kept = {int(path.stem) for path in (tmp_path / "x.nc.parts").glob("*.part")}
     assert kept == set(range(10)) - {2}
     xr.testing.assert_equal(here, swept(target=PORTABLE, out=out))
+
+
+def test_workers_that_die_after_they_have_finished_cost_no_part(
+    two: LocalCluster, here: xr.Dataset, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Their rows are lost before anyone has fetched them."""
+    batch, dead = clusters._Crew._batch, []
+
+    def die_first(crew: Any) -> list[Any]:
+        futures: list[Any] = batch(crew)
+        if not dead:
+            dead.extend(crew._client.run(os.getpid).values())
+            for pid in dead:
+                os.kill(pid, signal.SIGKILL)
+            for _ in range(1000):
+                if futures[0].status == "lost":
+                    break
+                time.sleep(0.01)
+        return futures
+
+    monkeypatch.setattr(clusters._Crew, "_batch", die_first)
+    xr.testing.assert_equal(here, swept(cluster=two.scheduler_address))
+    assert len(dead) == 2
 
 
 def test_without_its_scheduler_a_sweep_ends_and_goes_on(here: xr.Dataset, tmp_path: Path) -> None:
