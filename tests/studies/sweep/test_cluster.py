@@ -138,7 +138,7 @@ def test_workers_that_die_after_they_have_finished_cost_no_part(
 
     monkeypatch.setattr(clusters._Crew, "_batch", die_first)
     xr.testing.assert_equal(here, swept(cluster=two.scheduler_address))
-    assert len(dead) == 2
+    assert dead
 
 
 def test_without_its_scheduler_a_sweep_ends_and_goes_on(here: xr.Dataset, tmp_path: Path) -> None:
