@@ -10,6 +10,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from ..model.arrays import Array
 from ..model.block import Symbols
 
 # what the conditions may use beside the observer's parameters, and what it means
@@ -49,11 +50,10 @@ class Checked:
         return f"{self.name}: {self.left:.7g} {self.relation} {self.right:.7g} does not hold"
 
 
-Numbers = NDArray[np.float64]
 Truths = NDArray[np.bool_]
 Conditions = Callable[[Symbols, Symbols], list[Condition]]
 
-_HOLDS: Mapping[str, Callable[[Numbers, Numbers], Truths]] = {
+_HOLDS: Mapping[str, Callable[[Array, Array], Truths]] = {
     ">": lambda left, right: left > right,
     "<": lambda left, right: left < right,
     "=": lambda left, right: np.abs(left - right) <= _EQUAL * np.maximum(np.abs(left), np.abs(right)),
@@ -95,7 +95,7 @@ def check(conditions: list[Condition], symbols: Symbols, values: Mapping[str, fl
     ]
 
 
-def violated(conditions: list[Condition], symbols: Symbols, values: Numbers) -> dict[str, Truths]:
+def violated(conditions: list[Condition], symbols: Symbols, values: Array) -> dict[str, Truths]:
     """Name → (points) where the condition does not hold, for `values` (symbols × points); unknown numbers hold."""
     result: dict[str, Truths] = {}
     for c, left, right in zip(conditions, *_sides(conditions, symbols, values), strict=True):
@@ -105,7 +105,7 @@ def violated(conditions: list[Condition], symbols: Symbols, values: Numbers) -> 
     return result
 
 
-def _sides(conditions: list[Condition], symbols: Symbols, values: Numbers) -> tuple[Numbers, Numbers]:
+def _sides(conditions: list[Condition], symbols: Symbols, values: Array) -> tuple[Array, Array]:
     """Left and right (conditions × points) of each condition."""
     sides = [ca.vertcat(ca.SX(0, 1), *side) for side in ([c.left for c in conditions], [c.right for c in conditions])]
     function = ca.Function("conditions", [symbols.vector()], sides)

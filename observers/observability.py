@@ -10,9 +10,8 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from ..model.arrays import Array
 from ..model.block import Block, BlockError, Symbols, symbols
-
-Array = NDArray[np.float64]
 
 # singular values below this part of the largest are zero (docs/observers.md#observability)
 TOLERANCE = 1e-9
