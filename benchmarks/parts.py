@@ -39,17 +39,17 @@ def main() -> None:
     with ExitStack() as stack:
         engines = [stack.enter_context(engine(1, cluster)) for cluster in (None, "local")]
         for _ in range(ROUNDS + 1):
-            for target, found in rates.items():
-                found.append(rate(large, target))
-            for found, (compute, _) in zip(beside.values(), engines, strict=True):
-                found.append(per_part(small, compute))
-    for target, found in rates.items():
+            for target, measured in rates.items():
+                measured.append(rate(large, target))
+            for measured, (compute, _) in zip(beside.values(), engines, strict=True):
+                measured.append(per_part(small, compute))
+    for target, measured in rates.items():
         # the first round compiles, and workers prepare the sweep
-        each = statistics.median(found[1:])
+        each = statistics.median(measured[1:])
         print(f"{each:8.0f}  runs a second of one core (CPU time), paper-noisy, 20 s, three observers, {target}")
         print(f"{PART / each:8.2f}  s of one core for a part of {PART} runs, {target}")
-    for name, found in beside.items():
-        print(f"{1000 * statistics.median(found[1:]):8.2f}  ms for a part beside its runs, on {name}")
+    for name, measured in beside.items():
+        print(f"{1000 * statistics.median(measured[1:]):8.2f}  ms for a part beside its runs, on {name}")
 
 
 def sizes() -> Iterator[tuple[str, float]]:

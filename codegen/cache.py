@@ -157,17 +157,17 @@ def describe_cache() -> dict[str, object]:
 
 
 def kept_sources() -> dict[Path, str]:
-    """Return the C++ of each library in the cache, and its first line, which says what it is; the newest first."""
+    """Return the C++ of each library in the cache, and its title, which is its first line; the newest first."""
     folder = _location()
     if not os.path.lexists(folder) or _distrust(folder):
         return {}
-    found: dict[Path, tuple[int, str]] = {}
+    dated = []
     for path in folder.glob("*.cpp"):
         with contextlib.suppress(OSError, _DamageError):
             if _OURS.fullmatch(path.name):
-                first = _read(path, SOURCE_LIMIT).partition(b"\n")[0]
-                found[path] = (path.stat().st_mtime_ns, first.decode("utf-8", "replace").removeprefix("// "))
-    return {path: line for path, (_, line) in sorted(found.items(), key=lambda item: item[1], reverse=True)}
+                title = _read(path, SOURCE_LIMIT).partition(b"\n")[0].decode("utf-8", "replace").removeprefix("// ")
+                dated.append((path.stat().st_mtime_ns, path, title))
+    return {path: title for _, path, title in sorted(dated, reverse=True)}
 
 
 def write_new(path: Path, content: bytes) -> None:

@@ -8,9 +8,6 @@ import casadi as ca
 
 from ..model.block import Block, BlockError, Symbols
 
-# Functions of a Block, in the order of the C table
-ROLES = ("init", "step", "sample", "each", "out", "watch")
-
 # RK4: where each stage is taken and what it weighs
 _NODES = (0.0, 0.5, 0.5, 1.0)
 _WEIGHTS = (1 / 6, 1 / 3, 1 / 3, 1 / 6)

@@ -185,8 +185,9 @@ def target_flags(target: str, compiler: Compiler) -> tuple[str, ...]:
         raise BuildError(f"The target {target} is for {machine}; this machine is {_MACHINE}.")
     if missing := lacking(target):
         raise BuildError(f"The target {target} needs {', '.join(missing)}, which this processor does not have.")
-    # registers of 512 bits, where there are any: gcc would rather use half of them
-    wide = tuple("-mprefer-vector-width=512" for flag in flags if flag.startswith("-march="))
+    # registers of 512 bits, where there are any: gcc would rather use half of them; only x86 knows the flag
+    vectors = _MACHINE == "x86-64" and any(flag.startswith("-march=") for flag in flags)
+    wide = ("-mprefer-vector-width=512",) if vectors else ()
     # a class of processors has members with slow and with fast dividers
     slow = ("-DHILLOBS_SLOW_DIVISION",) if target == NATIVE and divides_slowly() else ()
     return (*(_in_zig(flags) if compiler.kind == "zig" else flags), *wide, *slow)

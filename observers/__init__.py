@@ -21,14 +21,14 @@ from .ports import ESTIMATES, INPUTS
 from .sliding_mode import SLIDING_MODE
 from .tendons import tendons
 
-# in this order figures give them their lines: append new ones
+# figures choose their lines in this order: append new ones
 OBSERVERS: Mapping[str, Observer] = {
     "high_gain": HIGH_GAIN,
     "sliding_mode": SLIDING_MODE,
     "adaptive_sliding_mode": ADAPTIVE_SLIDING_MODE,
     "high_gain_3": HIGH_GAIN_3,
 }
-# those that run where none are named
+# the observers that run where none is named
 PAPER = ("high_gain", "sliding_mode", "adaptive_sliding_mode")
 
 

@@ -20,13 +20,13 @@ _BETA0 = 1.1
 # |d|û|/dτ| ≤ q sup|u̇|
 _Q = 1.1
 
-# for recordings: √ of how far L may grow beyond l₀
+# for recordings: √(L/l₀) of the largest L that the steps allow for
 _GROWN = 1.5
-# margin of k₁, k₂; least bound of theirs; bound of the second layers
+# ε_a1 and ε_a2; least k_max; r_max
 _EPS_A, _LEAST_K, _R_MAX = 0.3, 0.5, 2.0
 # most steps from sample to sample that the adaptive laws may ask for
 _MOST_STEPS = 2
-# guard L_min, at most this part of l₀; least part of l₀ that is margin
+# largest L_min over l₀; least ε_a0 over l₀
 _L_MIN_PART, _LEAST_MARGIN = 0.25, 0.3
 
 PARAMETERS = {

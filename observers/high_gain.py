@@ -33,7 +33,7 @@ PARAMETERS = {
 }
 _CHAINS = (("h11", "h12", "h13"), ("h21", "h22"), ("h31", "h32"))
 
-# RK4 is stable with longer steps; near h/ε = 1 its own error is one that noise-free data show
+# RK4 is stable with longer steps, but near h/ε = 1 its own error shows in noise-free data
 LIMIT = 0.75
 
 
@@ -69,9 +69,16 @@ def chains(x: Symbols, u: Symbols, p: Symbols) -> Symbols:
 def theorem(p: Symbols, facts: Symbols) -> list[Condition]:
     """What theorem [thm_ho] asks of the gains."""
     return [
-        *between("0 < ε_h < 1", p.eps_h, 0, 1),
-        *(positive(f"{h} > 0", p[h]) for chain in _CHAINS for h in chain),
+        *positive_gains(p, *_CHAINS),
         above("s³ + h₁₁s² + h₁₂s + h₁₃ Hurwitz: h₁₁h₁₂ > h₁₃", p.h11 * p.h12, p.h13),
+    ]
+
+
+def positive_gains(p: Symbols, *injections: tuple[str, ...]) -> list[Condition]:
+    """What the theorem asks of chains of any order; `injections` are the names of their gains, chain by chain."""
+    return [
+        *between("0 < ε_h < 1", p.eps_h, 0, 1),
+        *(positive(f"{h} > 0", p[h]) for chain in injections for h in chain),
     ]
 
 
@@ -80,12 +87,12 @@ def rates(p: Symbols) -> Mapping[str, ca.SX]:
     return pole_rates(p, *_CHAINS)
 
 
-def pole_rates(p: Symbols, *chains: tuple[str, ...]) -> Mapping[str, ca.SX]:
-    """The rates of the chains of x̂₁, x̂₃, x̂₄, of which the names of the injections are given: 1/ε if these are binomial.
+def pole_rates(p: Symbols, *injections: tuple[str, ...]) -> Mapping[str, ca.SX]:
+    """ρ/ε of the chain of x̂₁ and of those of x̂₃, x̂₄; `injections` are the names of the gains of these three.
 
-    With others a rate is that of the multiple pole which has as much of one of the coefficients.
+    ρ is 1 if they are binomial, else that of the multiple pole with the largest of their coefficients.
     """
-    rho_1, rho_3, rho_4 = (_multiple_pole(p, chain) for chain in chains)
+    rho_1, rho_3, rho_4 = (_multiple_pole(p, chain) for chain in injections)
     return {"ρ/ε_h": rho_1 / p.eps_h, "ρ/ε_L": ca.fmax(rho_3, rho_4) / p.eps_L}
 
 

@@ -8,8 +8,8 @@ from dataclasses import replace
 import casadi as ca
 
 from ..model.block import Block, Parameter, Symbols, symbols
-from .conditions import Condition, above, between, positive
-from .high_gain import LIMIT, chains, pole_rates
+from .conditions import Condition, above
+from .high_gain import LIMIT, chains, pole_rates, positive_gains
 from .high_gain import PARAMETERS as ORDER_2
 from .observer import Observer, Sizes
 from .ports import SENSED, estimates, output_errors, start
@@ -44,8 +44,7 @@ def high_gain_3() -> Block:
 def theorem(p: Symbols, facts: Symbols) -> list[Condition]:
     """What theorem [thm_ho] asks, of chains that are all of order 3."""
     return [
-        *between("0 < ε_h < 1", p.eps_h, 0, 1),
-        *(positive(f"{h} > 0", p[h]) for chain in _CHAINS for h in chain),
+        *positive_gains(p, *_CHAINS),
         *(
             above(f"chain of e{sub} Hurwitz: {h1} {h2} > {h3}", p[h1] * p[h2], p[h3])
             for sub, (h1, h2, h3) in zip("₁₃₄", _CHAINS, strict=True)

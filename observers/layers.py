@@ -23,36 +23,39 @@ CORRECTION = {
 # largest slope of |e|^½ e/(δ + |e|), times √δ
 SLOPE = 0.55
 
-# damping of e₁ inside its layer; bandwidth there over 1/ε₁
+# damping ζ of e₁ inside its layer; bandwidth w there, over 1/ε₁
 _ZETA, _BANDWIDTH = 0.5, 1.25
 # α₁₁ over D_max: the paper's inequality has a solution above 2.16
 _LEVEL = 2.5
-# margin of what bounds u
+# the injections outweigh the bound of u by this factor
 _MARGIN = 1.5
-# offset of a tendon's layer in parts of its noise; smallest rate there
+# offset of a tendon's layer over its noise; smallest rate there
 _OFFSET, _LEAST_RATE = 0.5, 25.0
 # most steps from sample to sample that the layers of the tendons may ask for
 _MOST_STEPS = 10
-# the single pole filters of Δ̂, û over ε_L: the lag of the double pole; none faster than this part of T
+# time constant of the single-pole filters of Δ̂, û over ε_L, for the lag of a double pole; least one over T
 _FILTER, _FASTEST = 2.0, 0.5
-# below it noise of a tendon's length is none
+# keeps the rate finite where a tendon's length has no noise
 _NO_NOISE = 1e-12
 
 
 @dataclass(frozen=True)
 class Layers:
-    """What both observers share for a recording: the layer of e₁, the rates of those of e₃ and e₄, the filters."""
+    """What both observers share for a recording: the layer of e₁, the rate of those of e₃ and e₄, the filters.
+
+    Lengths, forces and times are in the paper's units.
+    """
 
     alpha: float  # α₁₁, or β₀l₀
     delta: float  # width of the layer of e₁
     largest: float  # what the injections into x̂₃, x̂₄ must outweigh
     rate: float  # slope of these injections
-    filters: float
-    correction: float
+    filters: float  # time constant of those of Δ̂, û
+    correction: float  # time constant τ_c
 
 
 def layers(s: Sizes, T: float) -> Layers:
-    """The layers that follow from the sizes of a recording with the sampling period T."""
+    """The layers that follow from the sizes of a recording with the sampling period T, in τ."""
     w = _BANDWIDTH / s.eps_1
     # in the layer ë₁ + dė₁ + w²e₁ = Δ_Φ; e₁ is noise, and the offset that Δ_Φ leaves
     e1 = math.hypot(s.sigma_1, s.D / w**2)

@@ -32,7 +32,7 @@ class Sizes:
 
 # name → rate, symbolic in the observer's parameters
 Rates = Callable[[Symbols], Mapping[str, ca.SX]]
-# (sizes, sampling period) → name → value; what is not named keeps its default
+# (sizes, sampling period T in τ) → name → value; what is not named keeps its default
 Gains = Callable[[Sizes, float], Mapping[str, float]]
 
 

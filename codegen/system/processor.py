@@ -6,7 +6,7 @@ import contextlib
 from collections.abc import Mapping
 from pathlib import Path
 
-# the levels of the x86-64 psABI beyond the one before, in the words of /proc/cpuinfo
+# what each level of the x86-64 psABI adds to the one before, in the words of /proc/cpuinfo
 _LEVELS: Mapping[str, tuple[str, ...]] = {
     "x86-64-v2": ("cx16", "lahf_lm", "popcnt", "pni", "sse4_1", "sse4_2", "ssse3"),
     "x86-64-v3": ("abm", "avx", "avx2", "bmi1", "bmi2", "f16c", "fma", "movbe", "xsave"),
@@ -33,10 +33,10 @@ def features() -> list[str]:
 
 
 def lacking(level: str) -> list[str]:
-    """Return what the processor would need for a level of x86-64; nothing for other names or where it is unknown."""
-    known = features()
-    needed = [word for name, words in _LEVELS.items() if name <= level for word in words] if level in _LEVELS else []
-    return [word for word in needed if word not in known] if known else []
+    """Return what the processor lacks for a level of x86-64; nothing for other names, or where the system is silent."""
+    if level not in _LEVELS or not (known := features()):
+        return []
+    return [word for name, words in _LEVELS.items() if name <= level for word in words if word not in known]
 
 
 def divides_slowly() -> bool:

@@ -6,7 +6,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import casadi as ca
+import numpy as np
 
+from ..arrays import Array
 from ..block import Parameter, Parameters, Symbols
 from ..dialect import clamp, outside
 from ..symbols import MUSCLES
@@ -85,6 +87,12 @@ class CurveSet:
         """Φ′_S, by CasADi."""
         s = ca.SX.sym("L")
         return ca.substitute(ca.jacobian(self.Phi_S(s, p), s), s, L)
+
+
+def sampled(curve: Curve, numbers: Mapping[str, float], x: Array) -> Array:
+    """The curve (n) at the arguments x (n), with a number for each parameter."""
+    s, p = ca.SX.sym("x"), Symbols({name: ca.SX(number) for name, number in numbers.items()})
+    return np.array(ca.Function("curve", [s], [curve(s, p)])(ca.DM(x).T), dtype=float).ravel()
 
 
 # one set for both muscles, or one for each

@@ -10,48 +10,41 @@ import numpy as np
 
 from ..arrays import Array
 from ..block import Symbols
-from . import Curve, Curves, CurveSet, by_muscle
+from . import Curves, CurveSet, by_muscle, sampled
 
 
 @dataclass(frozen=True)
 class Tendon:
-    """A curve set with the numbers of one tendon."""
+    """A curve set with the numbers of one tendon; lengths and forces (n) are in the units of the pair."""
 
     curves: CurveSet
     numbers: Mapping[str, float]
 
     def force(self, length: Array) -> Array:
         """Φ_S at each length."""
-        return self._at(self.curves.Phi_S, length)
+        return sampled(self.curves.Phi_S, self.numbers, length)
 
     def slope(self, length: Array) -> Array:
         """Φ′_S at each length."""
-        return self._at(self.curves.Phi_S_prime, length)
+        return sampled(self.curves.Phi_S_prime, self.numbers, length)
 
     def length(self, force: Array) -> Array:
         """Φ_S⁻¹ at each force."""
-        return self._at(self.curves.Phi_S_inv, force)
+        return sampled(self.curves.Phi_S_inv, self.numbers, force)
 
     @property
     def toe_force(self) -> float:
         """The force at which the toe ends."""
-        return float(ca.DM(ca.SX(self.curves.toe_force(self._symbols))))
+        p = Symbols({name: ca.SX(number) for name, number in self.numbers.items()})
+        return float(ca.DM(ca.SX(self.curves.toe_force(p))))
 
     @property
     def edges(self) -> tuple[float, float]:
         """The slack length, and where the toe ends."""
         return self.numbers["L_slack"], float(self.length(np.array([self.toe_force]))[0])
 
-    @property
-    def _symbols(self) -> Symbols:
-        return Symbols({key: ca.SX(value) for key, value in self.numbers.items()})
-
-    def _at(self, curve: Curve, values: Array) -> Array:
-        x = ca.SX.sym("x")
-        return np.array(ca.Function("curve", [x], [curve(x, self._symbols)])(ca.DM(values).T), dtype=float).ravel()
-
 
 def tendon(curves: Curves, muscle: str, numbers: Mapping[str, float]) -> Tendon:
     """The tendon of a muscle; `numbers` has the paths `muscle1.L_slack`, …."""
-    own = by_muscle(curves)[muscle]
-    return Tendon(own, {key: numbers[f"{muscle}.{key}"] for key in own.tendon})
+    curve_set = by_muscle(curves)[muscle]
+    return Tendon(curve_set, {key: numbers[f"{muscle}.{key}"] for key in curve_set.tendon})

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-import casadi as ca
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from ...model.arrays import Array
-from ...model.block import Symbols
-from ...model.curves import CURVES, SIMULATED, Curve, CurveSet
+from ...model.curves import CURVES, SIMULATED, sampled
 from . import style
 from .page import settings
 
@@ -35,15 +32,11 @@ def curve_figure() -> Figure:
         for axes, (name, span, across, up, limits) in zip(figure.subplots(2, 2).flat, _PANELS, strict=True):
             x = np.linspace(*span, _POINTS)
             for key, line in lines.items():
-                axes.plot(x, _values(CURVES[key], getattr(CURVES[key], name), x), **line)
+                numbers = {path: parameter.default for path, parameter in CURVES[key].parameters.items()}
+                axes.plot(x, sampled(getattr(CURVES[key], name), numbers, x), **line)
             axes.set(xlim=span, ylim=limits, xlabel=across, ylabel=up)
         figure.legend(handles=list(_legend(lines)), loc="outside upper center", ncols=len(lines))
     return figure
-
-
-def _values(curves: CurveSet, curve: Curve, x: Array) -> Array:
-    s, p = ca.SX.sym("x"), Symbols({key: ca.SX(number.default) for key, number in curves.parameters.items()})
-    return np.array(ca.Function("curve", [s], [curve(s, p)])(ca.DM(x).T), dtype=float).ravel()
 
 
 def _legend(lines: dict[str, style.Style]) -> Iterator[Line2D]:

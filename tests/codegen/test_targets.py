@@ -68,6 +68,11 @@ def test_a_target_of_another_machine_is_refused(cpuinfo):
         target_flags("fast", GCC)
 
 
+def test_flags_that_only_x86_knows_are_given_to_no_other_machine(monkeypatch):
+    monkeypatch.setattr(toolchain, "_MACHINE", "s390x")
+    assert target_flags(SINGLE, GCC) == TARGETS[SINGLE]
+
+
 def test_newtons_division_is_for_this_processor_alone(cpuinfo):
     """Two machines of a class must compute the same bits, whoever made their dividers."""
     cpuinfo(SKYLAKE.format(V3))
