@@ -81,11 +81,16 @@ def prepare(
     for observer in chosen:
         if observer not in known:
             raise ScenarioError(f"unknown observer {shown(observer)}; there are {', '.join(known)}")
-    taken = {"truth", *(path.partition(".")[0] for path in (*all_paths().parameters, *all_paths().groups()))}
+    curves = curves_of(choices(stacked))
+    _refuse_taken(custom, all_paths((), curves))
+    paths = all_paths(custom, curves)
+    return assemble(scenario(name, stacked, paths), chosen, custom, quantities, measures)
+
+
+def _refuse_taken(custom: Sequence[Block], paths: Paths) -> None:
+    taken = {"truth", *(path.partition(".")[0] for path in (*paths.parameters, *paths.groups()))}
     if clash := [block.name for block in custom if block.name in taken]:
         raise ScenarioError(f"the name {clash[0]!r} is taken; give your observer another one")
-    paths = all_paths(custom, curves_of(choices(stacked)))
-    return assemble(scenario(name, stacked, paths), chosen, custom, quantities, measures)
 
 
 def _spelled(value: object) -> str:
