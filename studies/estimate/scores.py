@@ -12,7 +12,8 @@ from ..files.tables import csv_text
 
 # seconds from the first sample on in which observers settle
 SETTLED = 1.0
-SCORED = ("position", "velocity", "disturbance", "tendon_length", "fibre_length", "fibre_velocity", "activation")
+# what observers estimate of a recording, scored where the truth is known
+ESTIMATED = ("position", "velocity", "disturbance", "tendon_length", "fibre_length", "fibre_velocity", "activation")
 BOTH = "both"
 
 
@@ -45,7 +46,7 @@ def _scores(late: xr.Dataset) -> Iterator[Score]:
     if late.sizes["time"] == 0:
         return
     for observer in late.observer.values.tolist():
-        for quantity in SCORED:
+        for quantity in ESTIMATED:
             if f"true_{quantity}" not in late:
                 continue
             estimates = late[f"{quantity}_hat"]
