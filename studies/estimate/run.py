@@ -110,14 +110,14 @@ def _settings(
     """What was asked for, checked before anything is read. ScenarioError says what is wrong."""
     if keep_every < 1:
         raise ScenarioError(f"keep_every must be at least 1, not {keep_every}")
-    given: dict[str, float] = {}
+    numbers: dict[str, float] = {}
     for path, value in changes.items():
         if path.partition(".")[0] not in chosen:
             raise ScenarioError(
                 f"{shown(path)} is no gain of {', '.join(chosen)}; the muscle file has all other numbers"
             )
-        given |= {member: checked_number(member, value, paths) for member in paths.expand(path)}
-    return Settings(corrected, given, keep_every)
+        numbers[path] = checked_number(path, value, paths)
+    return Settings(corrected, paths.spread(numbers), keep_every)
 
 
 def _check_size(samples: int, keep_every: int, observers: int) -> None:
