@@ -54,7 +54,7 @@ class Prepared:
         """The number at `path`."""
         return self.paths.value(path, self.scenario.given)
 
-    def own_states(self) -> Iterator[tuple[str, str, str]]:
+    def further_states(self) -> Iterator[tuple[str, str, str]]:
         """Variable of the result, observer and state, for each state that is no estimate."""
         for block in self.loop.observers:
             if block.name in self.observers:
@@ -136,7 +136,7 @@ def _check_samples(prepared: Prepared) -> None:
 
 def _check_variables(prepared: Prepared) -> None:
     taken = {hat(group) for group in ("x", "u", "a", "Delta")}
-    for variable, observer, state in prepared.own_states():
+    for variable, observer, state in prepared.further_states():
         if variable in taken:
             raise ScenarioError(
                 f"{observer}: its state {state} would be called {variable} in the result, which is taken; rename it"
