@@ -68,8 +68,8 @@ def first_pass(y1: Array, z1: Array, z2: Array, acc: Array, T: float) -> Sizes:
 
 def _sizes(signals: Array, T: float) -> Sizes:
     noises = [noise(signal, T) for signal in signals[:3]]
-    sigmas = [nu.sigma for nu in noises]
-    spreads = [*sigmas, _SPREAD * float(np.ptp(signals[3]))]
+    sigma_1, sigma_L1, sigma_L2 = (nu.sigma for nu in noises)
+    spreads = [sigma_1, sigma_L1, sigma_L2, _SPREAD * float(np.ptp(signals[3]))]
     y1, z1, z2, acc = clean = np.array([despiked(*pair) for pair in zip(signals, spreads, strict=True)])
 
     def bounded(eps: float, slowest: float) -> float:
@@ -86,7 +86,7 @@ def _sizes(signals: Array, T: float) -> Sizes:
         return bounded(c * math.sqrt(first * second), _SLOWEST_L)
 
     eps_L, eps_L3 = chain(_CL, 2), chain(_CL3, 3)
-    return Sizes(*sigmas, eps_1, eps_L, eps_L3, *_inputs(clean, T, eps_1, eps_L, noises[0]))
+    return Sizes(sigma_1, sigma_L1, sigma_L2, eps_1, eps_L, eps_L3, *_inputs(clean, T, eps_1, eps_L, noises[0]))
 
 
 def _inputs(signals: Array, T: float, eps_1: float, eps_L: float, noise_1: Noise) -> tuple[float, float, float, float]:
