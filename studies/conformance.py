@@ -45,11 +45,11 @@ def _descriptions(block: Block) -> Iterator[str]:
 
 def _numbers(whole: Block) -> Iterator[str]:
     table, front = functions(whole, sorted(whole.held), SENSED), functions(tendons(), (), MEASURED)
-    p, own = ([parameter.default for parameter in block.parameters.values()] for block in (whole, tendons()))
+    p, p_front = ([parameter.default for parameter in block.parameters.values()] for block in (whole, tendons()))
     held = [0.0] * len(whole.held)
     for force in _FORCES:
         y = [2.6, force, force]
-        lengths, _ = front["out"](0, [], own, [], y)
+        lengths, _ = front["out"](0, [], p_front, [], y)
         seen = ca.vertcat(y, lengths)
         x = table["init"](0, p, held, seen)
         after, _ = table["step"](0, 1e-4, x, p, held, ca.repmat(seen, 1, STAGES))
@@ -107,8 +107,8 @@ def _runs(block: Block) -> Iterator[str]:
     beside = simulate("paper-noisy", [*OBSERVERS, *([] if registered else [block])], short)
     alone = simulate("paper-noisy", [block.name if registered else block], short)
     for name in ("x_hat", "u_hat", "a_hat", "Delta_hat"):
-        one, other = alone[name].sel(observer=block.name).values, beside[name].sel(observer=block.name).values
-        if not np.isfinite(one).all():
+        apart, together = (run[name].sel(observer=block.name).values for run in (alone, beside))
+        if not np.isfinite(apart).all():
             yield f"{block.name}: {name} is not finite in paper-noisy"
-        if not np.array_equal(one, other, equal_nan=True):
+        if not np.array_equal(apart, together, equal_nan=True):
             yield f"{block.name}: {name} depends on which other observers run"

@@ -13,7 +13,7 @@ from ..files.errors import ScenarioError
 from ..files.numbers import whole_number
 from ..scenarios.layers import Value, shipped
 from ..scenarios.loops import all_paths
-from ..scenarios.scenario import parse_change, valid_choices
+from ..scenarios.scenario import VALID_CHOICES, parse_change
 from ..sweep.axes import Values, parse_axis
 
 Command = TypeVar("Command", bound=Callable[..., Any])
@@ -109,9 +109,9 @@ def _complete_observers(ctx: click.Context, param: click.Parameter, incomplete: 
 def _complete_paths(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
     path, equals, _ = incomplete.partition("=")
     if equals:
-        return _beginning((f"{path}={value}" for value in valid_choices().get(path, ())), incomplete)
+        return _beginning((f"{path}={value}" for value in VALID_CHOICES.get(path, ())), incomplete)
     paths = all_paths()
-    return _beginning((f"{known}=" for known in (*valid_choices(), *paths.groups(), *paths.parameters)), incomplete)
+    return _beginning((f"{known}=" for known in (*VALID_CHOICES, *paths.groups(), *paths.parameters)), incomplete)
 
 
 def _beginning(words: Iterable[str], incomplete: str) -> list[CompletionItem]:

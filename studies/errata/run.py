@@ -19,7 +19,7 @@ from ...model.arrays import Array
 from ...model.block import Symbols
 from ...model.curves import NGUYEN2019, NGUYEN2019_PRINTED
 from ...model.symbols import hat
-from ..files.progress import Progress, unseen
+from ..files.progress import Progress, shares, unseen
 from ..scenarios.grid import time_grid
 from ..scenarios.layers import Value, layers
 from ..scenarios.loops import paper_loop
@@ -97,14 +97,9 @@ def errata(progress: Progress = unseen) -> list[Result]:
         *((_tracking, variant) for variant in variants(CONTROLLER)),
         *((_estimation, variant) for variant in variants(OBSERVER)),
     ]
-    results: list[Result] = []
-    for i, (study, variant) in enumerate(runs):
-        results.append(study(variant, _share(progress, i, len(runs))))
+    parts = shares(progress, len(runs))
+    results = [study(variant, part) for (study, variant), part in zip(runs, parts, strict=True)]
     return [*results, *joints()]
-
-
-def _share(progress: Progress, i: int, n: int) -> Progress:
-    return lambda done: progress((i + done) / n)
 
 
 def variants(errata: Mapping[str, Erratum]) -> list[Variant]:

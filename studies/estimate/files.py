@@ -15,10 +15,8 @@ from ..files.reading import cause, open_regular
 from ..files.tables import Series, write_csv, write_sto
 from ..files.writing import write_whole
 from ..laboratory.columns import OPENSIM
-from .scores import HEADER, Score, scores_csv
+from .scores import ESTIMATED, HEADER, Score, scores_csv
 
-_ALONE = ("position", "velocity", "disturbance")
-_PER_MUSCLE = ("tendon_length", "fibre_length", "fibre_velocity", "activation")
 # the first line of an .sto file of ours
 _TITLE = "estimates of {observer} from {source}"
 _OURS = re.compile(_TITLE.format(observer=r"(?P<observer>\w+)", source=r".+"))
@@ -90,9 +88,10 @@ def _series(dataset: xr.Dataset, observer: str, prefix: str) -> Iterator[Series]
 def _plain(dataset: xr.Dataset, observer: str) -> Iterator[Series]:
     """The estimates by the names that columns of a recording have."""
     of = dataset.sel(observer=observer)
-    for name in _ALONE:
-        yield Series(name, of[f"{name}_hat"].attrs["units"], of[f"{name}_hat"].values)
-    for name in _PER_MUSCLE:
-        for j in (1, 2):
-            values = of[f"{name}_hat"].sel(muscle=j)
-            yield Series(f"{name}_{j}", values.attrs["units"], values.values)
+    for name in ESTIMATED:
+        estimate = of[f"{name}_hat"]
+        parts = {name: estimate}
+        if "muscle" in estimate.dims:
+            parts = {f"{name}_{j}": estimate.sel(muscle=j) for j in (1, 2)}
+        for column, values in parts.items():
+            yield Series(column, values.attrs["units"], values.values)

@@ -44,7 +44,6 @@ _BLOCKS, _BLOCK = 10, 10_000
 # statistics of fewer samples are none
 _FEW = 50
 
-
 # of a recording too short for statistics
 _SHORT = Sizes(1e-3, 1e-3, 1e-3, eps_1=0.2, eps_L=0.05, eps_L3=0.1, D=0.1, D_max=0.2, U=0.1, U_max=0.3)
 
@@ -69,7 +68,8 @@ def first_pass(y1: Array, z1: Array, z2: Array, acc: Array, T: float) -> Sizes:
 
 def _sizes(signals: Array, T: float) -> Sizes:
     noises = [noise(signal, T) for signal in signals[:3]]
-    spreads = [*(one.sigma for one in noises), _SPREAD * float(np.ptp(signals[3]))]
+    sigma_1, sigma_L1, sigma_L2 = (nu.sigma for nu in noises)
+    spreads = [sigma_1, sigma_L1, sigma_L2, _SPREAD * float(np.ptp(signals[3]))]
     y1, z1, z2, acc = clean = np.array([despiked(*pair) for pair in zip(signals, spreads, strict=True)])
 
     def bounded(eps: float, slowest: float) -> float:
@@ -82,11 +82,10 @@ def _sizes(signals: Array, T: float) -> Sizes:
     x1 = moved + smoothed(y1 - moved, T, eps_1)
 
     def chain(c: float, order: int) -> float:
-        first, second = (time_scale(z, order, one, T) for z, one in zip((z1 - x1, z2 + x1), noises[1:], strict=True))
+        first, second = (time_scale(z, order, nu, T) for z, nu in zip((z1 - x1, z2 + x1), noises[1:], strict=True))
         return bounded(c * math.sqrt(first * second), _SLOWEST_L)
 
     eps_L, eps_L3 = chain(_CL, 2), chain(_CL3, 3)
-    sigma_1, sigma_L1, sigma_L2 = (one.sigma for one in noises)
     return Sizes(sigma_1, sigma_L1, sigma_L2, eps_1, eps_L, eps_L3, *_inputs(clean, T, eps_1, eps_L, noises[0]))
 
 

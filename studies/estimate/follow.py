@@ -30,20 +30,21 @@ _LENGTHS = "lengths"
 def observers_named(names: Sequence[str | Block]) -> dict[str, Observer]:
     """Registered observers and a user's own Blocks, by name. ScenarioError for one that cannot follow a recording."""
     chosen: dict[str, Observer] = {}
-    for each in names:
-        if isinstance(each, Block):
-            if chosen.setdefault(each.name, _users_own(each)) is not _users_own(each):
-                raise ScenarioError(f"two observers are called {each.name!r}; give one another name")
-        elif each in OBSERVERS:
-            chosen[each] = OBSERVERS[each]
+    for observer in names:
+        if isinstance(observer, Block):
+            custom = _custom(observer)
+            if chosen.setdefault(observer.name, custom) is not custom:
+                raise ScenarioError(f"two observers are called {observer.name!r}; give one another name")
+        elif observer in OBSERVERS:
+            chosen[observer] = OBSERVERS[observer]
         else:
-            raise ScenarioError(f"unknown observer {shown(each)}; there are {', '.join(OBSERVERS)}")
+            raise ScenarioError(f"unknown observer {shown(observer)}; there are {', '.join(OBSERVERS)}")
     return chosen
 
 
-# one Observer a Block, so that its compiled bank is found again
+# the same Observer for the same Block, since the compiled bank is remembered by it
 @functools.lru_cache(maxsize=64)
-def _users_own(block: Block) -> Observer:
+def _custom(block: Block) -> Observer:
     if block.name in OBSERVERS:
         raise ScenarioError(f"the name {block.name!r} is taken; give your observer another one")
     if block.per_step:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +17,7 @@ from ...model.symbols import MEASURED, hat
 from ...observers import OBSERVERS, PAPER, Observer
 from ...observers.tendons import LENGTHS
 from ..files.errors import RecordingError, ScenarioError
-from ..files.progress import Progress, unseen
+from ..files.progress import Progress, shares, unseen
 from ..files.quote import shown
 from ..laboratory.gaps import bridged, refuse_impossible, refuse_long_steps
 from ..laboratory.muscles import MusclePair, read_muscles
@@ -68,14 +68,14 @@ def estimate(
     paths = paths_of(bank.observers)
     settings = _settings(corrected, changes or {}, keep_every, paths, chosen)
     if isinstance(recording, Recording):
-        shares, read = _shares(progress or unseen, len(chosen)), recording
+        parts, read = shares(progress or unseen, len(chosen)), recording
     else:
-        shares = _shares(progress or unseen, 1 + len(chosen))
-        read = read_recording(recording, mapping, next(shares))
+        parts = shares(progress or unseen, 1 + len(chosen))
+        read = read_recording(recording, mapping, next(parts))
     _check_size(len(read), keep_every, len(chosen))
     compiled = compiled_bank(bank)
     case = _case(read, pair, compiled, paths, settings)
-    results = {name: _follow(case, compiled, paths, name, chosen[name], next(shares)) for name in chosen}
+    results = {name: _follow(case, compiled, paths, name, chosen[name], next(parts)) for name in chosen}
     return estimate_dataset(case, results, str(compiled.path.stem))
 
 
@@ -110,23 +110,14 @@ def _settings(
     """What was asked for, checked before anything is read. ScenarioError says what is wrong."""
     if keep_every < 1:
         raise ScenarioError(f"keep_every must be at least 1, not {keep_every}")
-    given: dict[str, float] = {}
+    numbers: dict[str, float] = {}
     for path, value in changes.items():
         if path.partition(".")[0] not in chosen:
             raise ScenarioError(
                 f"{shown(path)} is no gain of {', '.join(chosen)}; the muscle file has all other numbers"
             )
-        given |= {member: checked_number(member, value, paths) for member in paths.expand(path)}
-    return Settings(corrected, given, keep_every)
-
-
-def _shares(progress: Progress, parts: int) -> Iterator[Progress]:
-    """A progress for each of some parts of equal length, one after the other."""
-
-    def share(part: int) -> Progress:
-        return lambda done: progress((part + done) / parts)
-
-    return map(share, range(parts))
+        numbers[path] = checked_number(path, value, paths)
+    return Settings(corrected, paths.spread(numbers), keep_every)
 
 
 def _check_size(samples: int, keep_every: int, observers: int) -> None:

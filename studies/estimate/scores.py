@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass, fields
 
 import numpy as np
 import xarray as xr
 
+from ..files.tables import csv_text
+
 # seconds from the first sample on in which observers settle
 SETTLED = 1.0
-SCORED = ("position", "velocity", "disturbance", "tendon_length", "fibre_length", "fibre_velocity", "activation")
+# what observers estimate of a recording, scored where the truth is known
+ESTIMATED = ("position", "velocity", "disturbance", "tendon_length", "fibre_length", "fibre_velocity", "activation")
 BOTH = "both"
-HEADER = ("observer", "quantity", "muscle", "unit", "rmse", "peak")
 
 
 @dataclass(frozen=True)
@@ -29,6 +29,9 @@ class Score:
     peak: float
 
 
+HEADER = tuple(field.name for field in fields(Score))
+
+
 def scores(dataset: xr.Dataset) -> list[Score]:
     """All that can be compared, by observer, quantity and muscle; none if the recording knows nothing."""
     return list(_scores(dataset.sel(time=slice(float(dataset.time[0]) + SETTLED, None))))
@@ -36,19 +39,14 @@ def scores(dataset: xr.Dataset) -> list[Score]:
 
 def scores_csv(scores: list[Score]) -> str:
     """A row per score."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(HEADER)
-    for score in scores:
-        writer.writerow([score.observer, score.quantity, score.muscle, score.unit, repr(score.rmse), repr(score.peak)])
-    return text.getvalue()
+    return csv_text([HEADER, *map(astuple, scores)])
 
 
 def _scores(late: xr.Dataset) -> Iterator[Score]:
     if late.sizes["time"] == 0:
         return
     for observer in late.observer.values.tolist():
-        for quantity in SCORED:
+        for quantity in ESTIMATED:
             if f"true_{quantity}" not in late:
                 continue
             estimates = late[f"{quantity}_hat"]

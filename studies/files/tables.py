@@ -29,9 +29,14 @@ class Series:
 def write_csv(path: Path, columns: Sequence[Series]) -> None:
     """Columns of one length as CSV, names with units such as `position [m]`, gaps empty. ResultError if not."""
     labels = [column.name if column.unit == "1" else f"{column.name} [{column.unit}]" for column in columns]
-    head = io.StringIO()
-    csv.writer(head, lineterminator="\n").writerow(labels)
-    write_pieces(path, _pieces(head.getvalue(), columns, ",", or_empty))
+    write_pieces(path, _pieces(csv_text([labels]), columns, ",", or_empty))
+
+
+def csv_text(rows: Iterable[Sequence[object]]) -> str:
+    """Rows of cells as CSV."""
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows(rows)
+    return text.getvalue()
 
 
 def write_sto(path: Path, title: str, columns: Sequence[Series]) -> None:

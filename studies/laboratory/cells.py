@@ -13,13 +13,13 @@ from ...model.arrays import Array
 from ..files.errors import RecordingError
 from ..files.numbers import GAP, NUMBER
 from ..files.quote import shown
-from .header import BLANKS, cells
+from .header import BLANKS, cells_of_row
 from .lines import text_of
 
 Rows = NDArray[np.int64]
 
 _NUMERIC = b"0123456789+-.eE "
-_EVERY = bytes(range(256))
+_BYTES = bytes(range(256))
 # decimal commas as points, so that points are no numbers
 _SWAPPED = str.maketrans(",.", ".,")
 
@@ -39,7 +39,7 @@ class Cells:
         self._mark = "." if delimiter in ", " else ""
         mark = b"\t" if delimiter == " " else delimiter.encode()
         self._skeleton = mark * (len(labels) - 1) + b"\n"
-        self._no_skeleton = bytes(set(_EVERY) - set(mark + b"\n"))
+        self._no_skeleton = bytes(set(_BYTES) - set(mark + b"\n"))
         self._harmless = _NUMERIC + mark + b"\n"
         # a whole cell in quotes, with neither quotes nor marks inside
         self._in_quotes = re.compile(rb'(?<![^%b\n])"([^"%b\n]*)"(?=[%b\n])' % (mark, mark, mark))
@@ -106,13 +106,10 @@ class Cells:
         return np.array(rows, dtype=np.int64), np.array(values, dtype=float).reshape(len(rows), len(self._used))
 
     def _line(self, row: int, line: str) -> list[float]:
-        try:
-            texts = cells(line, self._delimiter)
-        except RecordingError as error:
-            raise RecordingError(f"row {row}: {error}") from error
+        texts = cells_of_row(row, line, self._delimiter)
         # older programs end rows with a tab, or part the names by tabs and the numbers by blanks
         if self._delimiter == "\t" and len(texts) == 1:
-            texts = cells(line, " ")
+            texts = cells_of_row(row, line, " ")
         elif self._delimiter == "\t" and len(texts) == len(self._labels) + 1 and not texts[-1]:
             texts.pop()
         if len(texts) != len(self._labels):

@@ -13,7 +13,7 @@ from ..files.errors import RecordingError, ScenarioError
 from ..files.numbers import NUMBER
 from ..files.quote import short, shown
 from ..files.reading import cause, read_whole
-from .header import cells
+from .header import cells_of_row
 from .lines import text_of
 
 SUFFIX = ".csv"
@@ -70,10 +70,10 @@ def _tables(text: str) -> Tables:
             continue
         if not delimiter:
             delimiter = next((mark for mark in "\t;" if mark in line), ",")
-            if (names := _cells(line, delimiter, row)) != _COLUMNS:
+            if (names := cells_of_row(row, line, delimiter)) != _COLUMNS:
                 raise RecordingError(f"row {row}: its columns must be curve, x, y, not {shown(', '.join(names))}")
             continue
-        name, point = _point(_cells(line, delimiter, row), row)
+        name, point = _point(cells_of_row(row, line, delimiter), row)
         if len(points[name]) == MOST_POINTS:
             raise RecordingError(f"row {row}: {name} has more than {MOST_POINTS:,} points")
         points[name].append(point)
@@ -96,10 +96,3 @@ def _point(row: list[str], at: int) -> tuple[str, tuple[float, float]]:
             raise RecordingError(f"row {at}, column {column}: {shown(text)} is no number")
     x, y = map(float, numbers)
     return name, (x, y)
-
-
-def _cells(line: str, delimiter: str, row: int) -> list[str]:
-    try:
-        return cells(line, delimiter)
-    except RecordingError as error:
-        raise RecordingError(f"row {row}: {error}") from error

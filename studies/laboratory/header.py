@@ -64,16 +64,24 @@ def cells(line: str, delimiter: str) -> list[str]:
     return [cell.strip(BLANKS) for cell in row]
 
 
+def cells_of_row(row: int, line: str, delimiter: str) -> list[str]:
+    """The cells of one row of a file. RecordingError as in `cells`, with the number of the row."""
+    try:
+        return cells(line, delimiter)
+    except RecordingError as error:
+        raise RecordingError(f"row {row}: {error}") from error
+
+
 def _csv(lines: Sequence[str]) -> Header:
     at = next((i for i, line in enumerate(lines) if line.strip() and not _comment(line)), None)
     if at is None:
         raise RecordingError("is empty: it has no row with names of columns")
     said = [words for words in map(_comment, lines[:at]) if words.lower().startswith(_UNITS_LINE)]
     delimiter = next((mark for mark in "\t;," if mark in lines[at]), " ")
-    labels = _cells(lines[at], delimiter, at)
+    labels = cells_of_row(at + 1, lines[at], delimiter)
     units = _units(said[-1][len(_UNITS_LINE) :] if said else "", delimiter, len(labels))
     # a second row of units, as laboratories write it
-    row = _cells(lines[at + 1], delimiter, at + 1) if at + 1 < len(lines) else []
+    row = cells_of_row(at + 2, lines[at + 1], delimiter) if at + 1 < len(lines) else []
     if row and len(row) == len(labels) and _are_units(row):
         if any(units):
             raise RecordingError(f"row {at + 2} holds units, and so does a comment above it")
@@ -94,7 +102,7 @@ def _sto(lines: Sequence[str]) -> Header:
     if at is None:
         raise RecordingError("has no row with names of columns after endheader")
     delimiter = "\t" if "\t" in lines[at].strip() else " "
-    labels = _cells(lines[at].strip(), delimiter, at)
+    labels = cells_of_row(at + 1, lines[at].strip(), delimiter)
     counted = _whole(keys.get("ncolumns", ""))
     # files cut by hand keep their old numbers, and OpenSim 4.6 reads them; each row is checked against the names
     remarks = (
@@ -106,13 +114,6 @@ def _sto(lines: Sequence[str]) -> Header:
 def _comment(line: str) -> str:
     """What a comment says, at least #; empty for other lines."""
     return line.strip().lstrip("#").strip() or "#" if line.strip().startswith("#") else ""
-
-
-def _cells(line: str, delimiter: str, at: int) -> list[str]:
-    try:
-        return cells(line, delimiter)
-    except RecordingError as error:
-        raise RecordingError(f"row {at + 1}: {error}") from error
 
 
 def _units(comment: str, delimiter: str, count: int) -> tuple[str, ...]:

@@ -32,8 +32,7 @@ def blocks(path: Path, progress: Progress = unseen) -> Iterator[bytes]:
     for piece in _checked(path, progress):
         text = rest + piece
         # half of a CR LF waits for its other half
-        held = text[-1:] == b"\r"
-        text, held_back = (text[:-1], b"\r") if held else (text, b"")
+        text, held_back = (text[:-1], b"\r") if text.endswith(b"\r") else (text, b"")
         if b"\r" in text:
             text = text.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
         end = text.rfind(b"\n") + 1

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 import casadi as ca
 import numpy as np
 
-from ...codegen.stepper import functions
+from ...codegen.stepper import STAGES, functions
 from ...model.arrays import Array
 from ...model.block import Block
 
@@ -62,15 +62,12 @@ def _bound(information: Array, sizes: Mapping[str, float]) -> dict[str, float]:
 def _linearised(block: Block, outputs: tuple[str, ...]) -> tuple[ca.Function, ca.Function]:
     """One step and its derivative, and the derivative of the outputs, with respect to the coordinates."""
     step = functions(block, (), tuple(block.u))["step"]
-    h, x, u, p = (ca.SX.sym("h"), *(ca.SX.sym(name, len(group)) for name, group in _groups(block)))
-    after, _ = step(0, h, x, p, ca.SX(0, 1), ca.repmat(u, 1, 4))
-    old = [*block.x.values(), *block.u.values(), *block.p.values()]
-    y = ca.substitute(ca.vertcat(*(block.y[name] for name in outputs)), ca.vertcat(*old), ca.vertcat(x, u, p))
+    groups = {"x": block.x, "u": block.u, "p": block.p}
+    h, x, u, p = (ca.SX.sym("h"), *(ca.SX.sym(name, len(group)) for name, group in groups.items()))
+    after, _ = step(0, h, x, p, ca.SX(0, 1), ca.repmat(u, 1, STAGES))
+    old = ca.vertcat(*(group.vector() for group in groups.values()))
+    y = ca.substitute(block.y.only(outputs).vector(), old, ca.vertcat(x, u, p))
     return (
         ca.Function("step", [h, x, u, p], [after, ca.jacobian(after, x)]),
         ca.Function("outputs", [x, u, p], [ca.jacobian(y, x)]),
     )
-
-
-def _groups(block: Block) -> list[tuple[str, Mapping[str, ca.SX]]]:
-    return [("x", block.x), ("u", block.u), ("p", block.p)]

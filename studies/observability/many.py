@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
 import casadi as ca
 import numpy as np
@@ -13,24 +13,31 @@ from ...codegen.library import Library, compile_functions
 from ...model.arrays import Array
 from ...observers.observability import TOLERANCE, decoupling_matrix, ranks_of
 from ..files.errors import ScenarioError
+from ..files.progress import Progress
 from .question import SENSORS, UNKNOWNS, Question
 
 _CHUNK = 4000
 
 
-def matrices(question: Question, points: Mapping[str, Array], progress: Callable[[float], None]) -> Array:
+def matrices(question: Question, points: Mapping[str, Array], progress: Progress) -> Array:
     """O at many points as compiled C: (points × rows × coordinates)."""
     library = _compiled(question.matrix)
+    x, u = _columns(question, points)
+    chunks = []
+    for begin in range(0, len(x), _CHUNK):
+        rows = slice(begin, begin + _CHUNK)
+        (flat,) = library.call("observability", x[rows], u[rows], question.p)
+        chunks.append(flat.reshape(len(flat), x.shape[1], -1).transpose(0, 2, 1))
+        progress(min(1.0, rows.stop / len(x)))
+    return np.concatenate(chunks)
+
+
+def _columns(question: Question, points: Mapping[str, Array]) -> tuple[Array, Array]:
+    """Coordinates and known inputs (points × names) of points that are numbers or arrays by name."""
     names = [*question.block.x, *question.block.u]
     columns = np.stack(np.broadcast_arrays(*(points[name] for name in names)), axis=1)
-    n = len(question.block.x)
-    chunks = []
-    for begin in range(0, len(columns), _CHUNK):
-        rows = columns[begin : begin + _CHUNK]
-        (flat,) = library.call("observability", rows[:, :n], rows[:, n:], question.p)
-        chunks.append(flat.reshape(len(rows), n, -1).transpose(0, 2, 1))
-        progress(min(1.0, (begin + _CHUNK) / len(columns)))
-    return np.concatenate(chunks)
+    x, u = np.split(columns, [len(question.block.x)], axis=1)
+    return x, u
 
 
 @functools.cache
@@ -59,14 +66,13 @@ def determinant(question: Question, points: Mapping[str, Array]) -> Array:
         raise ScenarioError(
             "the determinant needs as many output derivatives as coordinates: x1,F1,F2 with unknown u or a"
         )
-    names = [*question.block.x, *question.block.u]
-    columns = np.stack(np.broadcast_arrays(*(points[name] for name in names)), axis=1)
-    n = len(question.block.x)
-    (flat,) = compile_functions([function]).call("decoupling", columns[:, :n], columns[:, n:], question.p)
-    return np.asarray(np.abs(np.linalg.det(flat.reshape(len(columns), n, n))))
+    x, u = _columns(question, points)
+    (flat,) = compile_functions([function]).call("decoupling", x, u, question.p)
+    n = x.shape[1]
+    return np.asarray(np.abs(np.linalg.det(flat.reshape(len(flat), n, n))))
 
 
 def force_and_slope(question: Question, muscle: str, lengths: Array) -> tuple[Array, Array]:
     """Φ_S and Φ′_S of a muscle's tendon at the lengths given."""
-    own = question.tendon(muscle)
-    return own.force(lengths), own.slope(lengths)
+    tendon = question.tendon(muscle)
+    return tendon.force(lengths), tendon.slope(lengths)

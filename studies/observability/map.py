@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 import casadi as ca
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from ...model.arrays import Array
 from ...model.symbols import MUSCLES, SIGNALS
@@ -20,7 +21,7 @@ from ..files.quote import shown
 from ..scenarios.prepare import Prepared
 from ..simulate.run import RunWarning, simulate_prepared
 from .many import determinant, matrices, rank_and_conditioning
-from .question import Question
+from .question import PAPER_SENSORS, Question
 
 # `tension` moves both tendons to the same force
 TENSION = "tension"
@@ -71,7 +72,7 @@ def over(
         "rank": (dims, np.where(inside, rank, -1).reshape(shape)),
         "conditioning": (dims, np.where(inside, conditioning, np.nan).reshape(shape)),
     }
-    if question.unknown != "none" and question.sensors == ("x1", "F1", "F2"):
+    if question.unknown != "none" and question.sensors == PAPER_SENSORS:
         data["determinant"] = (dims, np.where(inside, determinant(question, columns), np.nan).reshape(shape))
     return _described(question, xr.Dataset(data, ranges), tolerance)
 
@@ -120,7 +121,8 @@ def _placed(question: Question, axis: str, values: Array) -> dict[str, Array]:
     return lengths
 
 
-def _inside(question: Question, columns: Mapping[str, Array]) -> np.ndarray:
+def _inside(question: Question, columns: Mapping[str, Array]) -> NDArray[np.bool_]:
+    """Whether each point (name → (points)) is in the domain of the plant."""
     block = question.block
     domain = ca.Function(
         "domain", [block.x.vector(), block.u.vector(), block.p.vector()], [ca.mmin(block.domain.vector())]

@@ -82,7 +82,8 @@ def answer(question: Question, point: Mapping[str, float], tolerance: float = TO
     # the derivatives of unknown signals are 0 unless given
     point = {**dict.fromkeys(question.block.x, 0.0), **point}
     used = {name: point[name] for name in (*question.block.x, *question.block.u)}
-    _check_domain(question, used)
+    outputs = _outputs(question, used)
+    _check_domain(outputs)
     verdict, kinked = _verdict(question, point, tolerance), list(_kinks(question, point))
     if kinked:
         # derivatives at a kink itself belong to neither side: the lowest rank of all corners counts
@@ -98,7 +99,7 @@ def answer(question: Question, point: Mapping[str, float], tolerance: float = TO
         question.period,
         window,
     )
-    return Answer(used, verdict, regions(question, point), kinks, spread)
+    return Answer(used, verdict, _regions(question, used, outputs), kinks, spread)
 
 
 def _verdict(question: Question, point: Mapping[str, float], tolerance: float) -> Verdict:
@@ -107,9 +108,8 @@ def _verdict(question: Question, point: Mapping[str, float], tolerance: float) -
     return judge(matrix, question.coordinates, question.sizes, len(question.sensors), tolerance)
 
 
-def regions(question: Question, point: Mapping[str, float]) -> dict[str, str]:
+def _regions(question: Question, point: Mapping[str, float], outputs: Mapping[str, float]) -> dict[str, str]:
     """Where each tendon is on its curve, and whether each fibre shortens."""
-    outputs = _outputs(question, point)
     result = {}
     for j, muscle in enumerate(MUSCLES, start=1):
         L, (slack, end) = point[f"x{j + 2}"], question.tendon(muscle).edges
@@ -169,8 +169,8 @@ def _outputs(question: Question, point: Mapping[str, float]) -> dict[str, float]
     return dict(zip(entries, np.array(function(x, u, question.p), dtype=float).ravel().tolist(), strict=True))
 
 
-def _check_domain(question: Question, point: Mapping[str, float]) -> None:
-    for name, value in _outputs(question, point).items():
+def _check_domain(outputs: Mapping[str, float]) -> None:
+    for name, value in outputs.items():
         if name.startswith("domain.") and not value > 0:
             what = "fibre" if "L_C" in name else "tendon"
             raise ScenarioError(

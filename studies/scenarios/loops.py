@@ -15,7 +15,7 @@ from ...model.pair import DRIVES
 from ...model.sensors import NOISE_CHANNELS, sensors
 from ...model.signals.pulses import PULSES
 from ...model.symbols import ACTIVATIONS, MEASURED, QUANTITIES
-from ...observers import OBSERVERS, baseline_estimator, estimator
+from ...observers import OBSERVERS, Observer, baseline_estimator, estimator
 from ...observers.score import MEASURES, score
 from ...observers.tendons import tendons, tendons_of_a_step
 from .paths import Paths, paths_of
@@ -35,17 +35,25 @@ def paper_loop(
 ) -> Loop:
     """The closed loop with all registered observers, the baseline and `custom` ones; only what is named is scored."""
     activations = not ACTIVATIONS.isdisjoint(quantities)
-    own = [baseline_estimator(curves, activations)]
-    own += [estimator(block, curves, activations) for block in (*(o.build() for o in OBSERVERS.values()), *custom)]
     truth = closed_loop(drive, curves, controller)
     return Loop(
         truth=truth if activations else replace(truth, y=truth.y.only(name for name in truth.y if name not in _UNSEEN)),
         sensors=sensors(),
-        bank=Bank(MEASURED, tendons(curves), tendons_of_a_step(STAGES, curves), tuple(own)),
+        bank=_bank(curves, tuple(OBSERVERS.values()), custom, activations),
         score=score(quantities, measures),
         noise=NOISE_CHANNELS,
         pulses=PULSES,
     )
+
+
+# the slow part of a loop, and the same for each drive
+@functools.lru_cache(maxsize=16)
+def _bank(curves: Curves, observers: tuple[Observer, ...], custom: tuple[Block, ...], activations: bool) -> Bank:
+    """The baseline, the registered observers and `custom` ones, as estimators."""
+    blocks = (*(observer.build() for observer in observers), *custom)
+    estimators = [estimator(block, curves, activations) for block in blocks]
+    front, near = tendons(curves), tendons_of_a_step(STAGES, curves)
+    return Bank(MEASURED, front, near, (baseline_estimator(curves, activations), *estimators))
 
 
 @functools.lru_cache(maxsize=16)

@@ -49,9 +49,9 @@ class Paths:
         for group, members in GROUPS.items():
             if group in parts:
                 at = parts.index(group)
-                found = [".".join([*parts[:at], member, *parts[at + 1 :]]) for member in members]
-                if all(name in self.parameters for name in found):
-                    return found
+                paths = [".".join([*parts[:at], member, *parts[at + 1 :]]) for member in members]
+                if all(name in self.parameters for name in paths):
+                    return paths
         raise ScenarioError(f"unknown path {shown(path)}; the nearest are {', '.join(self.nearest(path))}")
 
     def spread(self, values: Mapping[str, float]) -> dict[str, float]:
@@ -106,8 +106,9 @@ class Paths:
         sets = by_muscle(curves)
         for block in self.blocks:
             for prefix in [path.removesuffix(".L_slack") for path in block_paths(block) if path.endswith(".L_slack")]:
-                own = sets[prefix.rpartition(".")[2]]
-                if objection := own.objection({key: self.value(f"{prefix}.{key}", given) for key in own.tendon}):
+                curve_set = sets[prefix.rpartition(".")[2]]
+                numbers = {key: self.value(f"{prefix}.{key}", given) for key in curve_set.tendon}
+                if objection := curve_set.objection(numbers):
                     raise ScenarioError(f"{prefix}: {objection}")
 
 

@@ -54,7 +54,7 @@ class Prepared:
         """The number at `path`."""
         return self.paths.value(path, self.scenario.given)
 
-    def own_states(self) -> Iterator[tuple[str, str, str]]:
+    def further_states(self) -> Iterator[tuple[str, str, str]]:
         """Variable of the result, observer and state, for each state that is no estimate."""
         for block in self.loop.observers:
             if block.name in self.observers:
@@ -81,11 +81,16 @@ def prepare(
     for observer in chosen:
         if observer not in known:
             raise ScenarioError(f"unknown observer {shown(observer)}; there are {', '.join(known)}")
-    taken = {"truth", *(path.partition(".")[0] for path in (*all_paths().parameters, *all_paths().groups()))}
+    curves = curves_of(choices(stacked))
+    _refuse_taken(custom, all_paths((), curves))
+    paths = all_paths(custom, curves)
+    return assemble(scenario(name, stacked, paths), chosen, custom, quantities, measures)
+
+
+def _refuse_taken(custom: Sequence[Block], paths: Paths) -> None:
+    taken = {"truth", *(path.partition(".")[0] for path in (*paths.parameters, *paths.groups()))}
     if clash := [block.name for block in custom if block.name in taken]:
         raise ScenarioError(f"the name {clash[0]!r} is taken; give your observer another one")
-    paths = all_paths(custom, curves_of(choices(stacked)))
-    return assemble(scenario(name, stacked, paths), chosen, custom, quantities, measures)
 
 
 def _spelled(value: object) -> str:
@@ -131,7 +136,7 @@ def _check_samples(prepared: Prepared) -> None:
 
 def _check_variables(prepared: Prepared) -> None:
     taken = {hat(group) for group in ("x", "u", "a", "Delta")}
-    for variable, observer, state in prepared.own_states():
+    for variable, observer, state in prepared.further_states():
         if variable in taken:
             raise ScenarioError(
                 f"{observer}: its state {state} would be called {variable} in the result, which is taken; rename it"

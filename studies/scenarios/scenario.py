@@ -28,6 +28,11 @@ CHOICES: Mapping[str, tuple[str, ...]] = {
 }
 # several at once, before those of one muscle
 _GROUPED = {"muscle.curves": tuple(f"{muscle}.curves" for muscle in MUSCLES)}
+# each path whose value is one of some names, with these names; groups too
+VALID_CHOICES: Mapping[str, tuple[str, ...]] = {
+    **CHOICES,
+    **{group: CHOICES[members[0]] for group, members in _GROUPED.items()},
+}
 
 
 @dataclass(frozen=True)
@@ -65,7 +70,7 @@ def choices(layers: Sequence[Layer]) -> dict[str, str]:
         with layer.blamed():
             for group, members in (*_GROUPED.items(), *((path, (path,)) for path in CHOICES)):
                 if group in layer.leaves:
-                    chosen |= dict.fromkeys(members, _choice(group, layer.leaves[group], CHOICES[members[0]]))
+                    chosen |= dict.fromkeys(members, _choice(group, layer.leaves[group]))
     return chosen
 
 
@@ -83,7 +88,7 @@ def scenario(name: str, layers: Sequence[Layer], paths: Paths) -> Scenario:
                     description = text(path, value)
                 elif path == "seed":
                     seed = _seed(value)
-                elif path not in valid_choices() and not _is_empty_section(path, value, paths):
+                elif path not in VALID_CHOICES and not _is_empty_section(path, value, paths):
                     numbers[path] = checked_number(path, value, paths)
             given |= paths.spread(numbers)
     changes = {path: value for layer in layers if not layer.origin for path, value in layer.leaves.items()}
@@ -95,15 +100,10 @@ def parse_change(typed: str) -> tuple[str, Value]:
     path, equals, value = typed.partition("=")
     if not equals or not path:
         raise ScenarioError(f"{shown(typed)} is not PATH=VALUE, such as plant.m=1.2")
-    if path in valid_choices() or path == "description":
+    if path in VALID_CHOICES or path == "description":
         return path, value
     number = parse_number(path, value)
     return path, number if path != "seed" else _whole(value)
-
-
-def valid_choices() -> dict[str, tuple[str, ...]]:
-    """Each path whose value is one of some names, no number, with these; groups too."""
-    return {**CHOICES, **{group: CHOICES[members[0]] for group, members in _GROUPED.items()}}
 
 
 def checked_number(path: str, value: object, paths: Paths) -> float:
@@ -115,7 +115,8 @@ def _is_empty_section(path: str, value: object, paths: Paths) -> bool:
     return value == {} and paths.is_section(path)
 
 
-def _choice(path: str, value: object, valid: tuple[str, ...]) -> str:
+def _choice(path: str, value: object) -> str:
+    valid = VALID_CHOICES[path]
     if not isinstance(value, str) or value not in valid:
         raise ScenarioError(f"{path} must be one of {', '.join(valid)}, not {shown(value)}")
     return value

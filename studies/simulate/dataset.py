@@ -50,7 +50,7 @@ def dataset(prepared: Prepared, traces: Mapping[str, Trace], library: str) -> xr
     if "r" in signal:
         data["r"] = (("time",), signal["r"], about(SIGNALS["r"].sentence))
     states = {block.name: list(block.x) for block in loop.observers}
-    for variable, observer, state in prepared.own_states():
+    for variable, observer, state in prepared.further_states():
         meaning = SIGNALS[state].sentence if state in SIGNALS else f"state {state}"
         attributes = about(f"{observer}: {meaning}") | {"observer": observer, "state": state}
         data[variable] = (("time",), traces[observer].x[:, states[observer].index(state)], attributes)
@@ -79,7 +79,7 @@ def about(sentence: str) -> dict[str, str]:
     return {"long_name": sentence, "units": "1"}
 
 
-def _manifest(prepared: Prepared, traces: Mapping[str, Trace], library: str) -> dict[str, str | int]:
+def _manifest(prepared: Prepared, traces: Mapping[str, Trace], library: str) -> dict[str, str]:
     """What a run can be repeated from, and what it has to say; everything as text, for NetCDF."""
     scenario = prepared.scenario
     guards = {name: {g: t for g, t in trace.guards.items() if t > 0} for name, trace in traces.items()}

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -12,7 +10,7 @@ import xarray as xr
 from ...model.symbols import MEASURED, STATES, hat
 from ..files.errors import ResultError
 from ..files.netcdf import save_netcdf
-from ..files.tables import Series, or_empty, write_csv
+from ..files.tables import Series, csv_text, or_empty, write_csv
 from ..files.writing import write_whole
 from .measures import SENTENCES
 
@@ -62,9 +60,7 @@ def measures_csv(dataset: xr.Dataset) -> str:
         for estimator in dataset.estimator.values
         for quantity in dataset.quantity.values
     ]
-    text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerows([["scenario", "seed", "observer", "quantity", *keys], *rows])
-    return text.getvalue()
+    return csv_text([["scenario", "seed", "observer", "quantity", *keys], *rows])
 
 
 def _truth(dataset: xr.Dataset, name: str) -> xr.DataArray:

@@ -32,28 +32,28 @@ def measures(
 
     score: the sums that the kernel has taken, numbers or (runs); names: the measures.
     """
-    sums = {name: np.asarray(value, dtype=float) for name, value in score.items()}
+    sums = {name: np.asarray(total, dtype=float) for name, total in score.items()}
     h, end = grid.h, grid.steps * grid.h
     window_points = max(0, grid.steps - grid.window + 1)
 
-    def one(measure: str, name: str) -> Array:
-        whose = counted_with(name)
+    def value(measure: str, name: str) -> Array:
+        owner = counted_with(name)
         if measure == "rmse":
             # RMSE = √(Σ error²/n),  n the points at which the tendon was taut
-            return np.sqrt(_ratio(sums[f"{name}.squares"], sums[f"{whose}.count"]))
+            return np.sqrt(_ratio(sums[f"{name}.squares"], sums[f"{owner}.count"]))
         if measure == "peak":
             return sums[f"{name}.peak"]
         if measure == "settling":
             settling = sums[f"{name}.settling"]
             return np.where(settling > end - h / 2, np.nan, settling)
         if measure == "masked":
-            return (window_points - sums[f"{whose}.count"]) * h
+            return (window_points - sums[f"{owner}.count"]) * h
         if name not in CHATTERING:
             return np.full_like(next(iter(sums.values())), np.nan)
         # mean |v̂((k+1)T_s) − v̂(k T_s)|
-        return _ratio(sums[f"{name}.chatter"], sums[f"{whose}.pairs"])
+        return _ratio(sums[f"{name}.chatter"], sums[f"{owner}.pairs"])
 
-    return {measure: {name: one(measure, name) for name in quantities} for measure in names}
+    return {measure: {name: value(measure, name) for name in quantities} for measure in names}
 
 
 def _ratio(total: Array, count: Array) -> Array:
