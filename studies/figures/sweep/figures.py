@@ -27,9 +27,9 @@ def sweep_figures(dataset: xr.Dataset) -> tuple[dict[str, Figure], str]:
     if grid and len(paths) == 1:
         return {"curves": curves(dataset, quantities)}, ""
     if grid and len(paths) == 2:
-        observers = dataset.observer.values.tolist()
-        still = [label(name) for name in observers if not depends(dataset, name)]
-        drawn = {f"map-{name}": maps(dataset, name, quantities) for name in observers if depends(dataset, name)}
+        changes = {name: depends(dataset, name) for name in dataset.observer.values.tolist()}
+        still = [label(name) for name, any_change in changes.items() if not any_change]
+        drawn = {f"map-{name}": maps(dataset, name, quantities) for name, any_change in changes.items() if any_change}
         return drawn, f"no map of {', '.join(still)}: {' and '.join(paths)} do not change it" if still else ""
     if len(paths) > _MOST_COLUMNS:
         return {}, f"no figure: {len(paths)} parameters vary, more than {_MOST_COLUMNS}"
