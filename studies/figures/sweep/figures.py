@@ -14,14 +14,15 @@ from .curves import curves
 from .maps import maps
 from .scatter import scatter
 
-_SHOWN = ("x2", "Delta", "u1", "a1")
+# what is drawn if all quantities are scored
+SHOWN = ("x2", "Delta", "u1", "a1")
 # columns that a page has room for
 _MOST_COLUMNS = 5
 
 
 def sweep_figures(dataset: xr.Dataset) -> tuple[dict[str, Figure], str]:
     """The figures by name, and a sentence where they are not what is expected: `curves`, `map-OBSERVER` or `points`."""
-    paths, grid, quantities = varied(dataset), dataset.attrs["kind"] == "grid", shown_of(dataset, _SHOWN)
+    paths, grid, quantities = varied(dataset), dataset.attrs["kind"] == "grid", shown_of(dataset, SHOWN)
     if not paths:
         return {}, "no figure: no parameter has more than one value"
     if grid and len(paths) == 1:
