@@ -23,9 +23,7 @@ from ..scenarios.layers import Value
 from .options import observer_option, set_option, whole_option
 from .reports.estimate import failures, notes, score_table, timing
 from .reports.written import written
-from .terminal import bar, complain, print_table
-
-_NUMERICAL = 1
+from .terminal import NUMERICAL, bar, complain, print_table
 
 
 @click.command()
@@ -62,7 +60,7 @@ def estimate(
     times.append(time.monotonic())
     with bar("following") as progress:
         compile_observers(pair, observers or None, not uncorrected)
-        # begin and end of following; what makes a Dataset of it imports half of dask
+        # following ends with its last progress: making a Dataset imports half of dask, which no observer costs
         times += [time.monotonic()] * 2
 
         def advance(done: float) -> None:
@@ -87,4 +85,4 @@ def estimate(
     for sentence in ended:
         complain(sentence)
     if ended:
-        sys.exit(_NUMERICAL)
+        sys.exit(NUMERICAL)

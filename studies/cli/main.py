@@ -26,7 +26,7 @@ _COMMANDS: Mapping[str, tuple[str, str]] = {
     "errata": ("errata", "Run the paper's printed forms beside the corrected ones."),
     "show": ("listing", "Print a scenario as a TOML file to start from."),
     "list": ("listing", "List scenarios, observers, curves, parameters."),
-    "info": ("listing", "Show versions, compiler, processor and cache."),
+    "info": ("listing", "Show versions, compiler, pages and cache."),
     "clean": ("listing", "Empty the cache of compiled libraries."),
 }
 

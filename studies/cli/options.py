@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from typing import Any, TypeVar
+from typing import Any
 
 import click
 from click.shell_completion import CompletionItem
@@ -16,13 +16,12 @@ from ..scenarios.loops import all_paths
 from ..scenarios.scenario import VALID_CHOICES, parse_change
 from ..sweep.axes import Values, parse_axis
 
-Command = TypeVar("Command", bound=Callable[..., Any])
-Decorator = Callable[[Command], Command]
+Decorator = Callable[[Any], Any]
 
 _SCENARIO = "SCENARIO|FILE.toml"
 
 
-def scenario_argument(default: str | None = None) -> Decorator[Any]:
+def scenario_argument(default: str | None = None) -> Decorator:
     """SCENARIO: a shipped scenario or a TOML file."""
     word = _SCENARIO if default is None else f"[{_SCENARIO}]"
     required = default is None
@@ -31,12 +30,12 @@ def scenario_argument(default: str | None = None) -> Decorator[Any]:
     )
 
 
-def scenarios_argument() -> Decorator[Any]:
+def scenarios_argument() -> Decorator:
     """Any number of them: a tuple."""
     return click.argument("scenarios", nargs=-1, metavar=f"[{_SCENARIO}]...", shell_complete=_complete_scenarios)
 
 
-def observer_option() -> Decorator[Any]:
+def observer_option() -> Decorator:
     """`--observer`, which may be repeated: a tuple of names."""
     return click.option(
         "--observer",
@@ -48,7 +47,7 @@ def observer_option() -> Decorator[Any]:
     )
 
 
-def set_option(sentence: str) -> Decorator[Any]:
+def set_option(sentence: str) -> Decorator:
     """`--set PATH=VALUE`, which may be repeated: a dict; of a path given twice the last counts."""
     return click.option(
         "--set",
@@ -61,7 +60,7 @@ def set_option(sentence: str) -> Decorator[Any]:
     )
 
 
-def over_option() -> Decorator[Any]:
+def over_option() -> Decorator:
     """`--over PATH=VALUES`, which may be repeated: a dict."""
     return click.option(
         "--over",
@@ -73,9 +72,7 @@ def over_option() -> Decorator[Any]:
     )
 
 
-def whole_option(
-    name: str, least: int, sentence: str, default: int | None = None, metavar: str = "N"
-) -> Decorator[Any]:
+def whole_option(name: str, least: int, sentence: str, default: int | None = None, metavar: str = "N") -> Decorator:
     """A whole number of at least `least`, strictly: no underscores, no digits of other scripts."""
 
     def read(ctx: click.Context, param: click.Parameter, typed: str | None) -> int | None:

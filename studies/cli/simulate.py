@@ -20,9 +20,8 @@ from ..simulate.run import RunWarning, simulate_prepared
 from .options import observer_option, scenarios_argument, set_option
 from .reports.simulate import failures, notes, tables
 from .reports.written import written
-from .terminal import bar, complain, print_table
+from .terminal import NUMERICAL, bar, complain, print_table
 
-_NUMERICAL = 1
 _PAPER = ("paper-clean", "paper-noisy")
 
 
@@ -66,7 +65,7 @@ def simulate(
             complain(sentence)
             failed = True
     if failed:
-        sys.exit(_NUMERICAL)
+        sys.exit(NUMERICAL)
 
 
 def _print_report(dataset: xr.Dataset) -> None:

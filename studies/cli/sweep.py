@@ -27,9 +27,10 @@ from ..sweep.run import engine, sweep_planned
 from .options import observer_option, over_option, scenario_argument, set_option, whole_option
 from .pace import Pace
 from .reports.sweep import notes, tables
-from .terminal import bar, complain, counted, print_table
+from .terminal import NUMERICAL, bar, complain, counting, print_table
 
-_INTERRUPTED, _NUMERICAL = 128, 1
+# a shell adds the number of the signal
+_INTERRUPTED = 128
 
 
 @click.command()
@@ -84,7 +85,7 @@ def sweep(
         if planned.runs > MANY_RUNS and not yes:
             raise ScenarioError(f"{planned.runs:,} runs are more than {MANY_RUNS:,}; say --yes if they are meant")
         path = None if out is None else writable_folder(Path(out).parent) / Path(out).name
-        with engine(workers, cluster) as (compute, usual), counted("runs", planned.runs) as advance:
+        with engine(workers, cluster) as (compute, usual), counting("runs", planned.runs) as advance:
             pace = Pace(advance)
 
             def progress(done: int, of: int) -> None:
@@ -102,7 +103,7 @@ def sweep(
         if path is not None:
             click.echo(_written(dataset, path, no_figures))
     if dataset.failed_at.notnull().any() or dataset.plant_failed_at.notnull().any():
-        sys.exit(_NUMERICAL)
+        sys.exit(NUMERICAL)
 
 
 def _kind(zipped: bool, design: str | None) -> tuple[str, int]:

@@ -19,7 +19,8 @@ from ...codegen.cache import BuildError
 from ...model.errors import Error
 from ..files.quote import escaped
 
-USAGE = 2
+# exit codes: numbers that are not finite, a user's mistake
+NUMERICAL, USAGE = 1, 2
 # columns of a table in a pipe or a file, where nobody wraps lines
 _PIPE_WIDTH = 120
 
@@ -40,9 +41,8 @@ def print_table(table: Table) -> None:
 
 def pieces(table: Table, console: Console) -> Iterator[Table]:
     """The table in groups of columns that fit, each beside the first column."""
-    others = table.columns[1:]
     chosen: list[int] = []
-    for i in range(len(others)):
+    for i in range(1, len(table.columns)):
         if chosen and _width(_with_columns(table, [*chosen, i]), console) > console.width:
             yield _with_columns(table, chosen)
             chosen = []
@@ -53,7 +53,7 @@ def pieces(table: Table, console: Console) -> Iterator[Table]:
 def _with_columns(table: Table, chosen: list[int]) -> Table:
     """A table with the first column and those chosen of the others."""
     part = copy.copy(table)
-    columns = [table.columns[0], *(table.columns[1 + i] for i in chosen)]
+    columns = [table.columns[i] for i in (0, *chosen)]
     part.columns = [dataclasses.replace(column, _index=i) for i, column in enumerate(columns)]
     return part
 
@@ -66,18 +66,15 @@ def _width(table: Table, console: Console) -> int:
 @contextlib.contextmanager
 def bar(what: str) -> Iterator[Callable[[float], None]]:
     """A progress bar on the terminal's error stream, which says when it compiles; without a terminal only that."""
+    words = escape(escaped(what))
     with Progress(console=Console(stderr=True), transient=True, disable=not sys.stderr.isatty()) as progress:
-        task = progress.add_task(escape(escaped(what)), total=1.0)
-
-        def building(sentence: str) -> None:
-            progress.update(task, description=escape(sentence) if sentence else escape(escaped(what)))
-
-        with _told(progress, building):
+        task = progress.add_task(words, total=1.0)
+        with _told(progress, lambda sentence: progress.update(task, description=escape(sentence) or words)):
             yield lambda done: progress.update(task, completed=done)
 
 
 @contextlib.contextmanager
-def counted(unit: str, total: int) -> Iterator[Callable[[int, int], None]]:
+def counting(unit: str, total: int) -> Iterator[Callable[[int, int], None]]:
     """The same with rate and remaining time."""
     columns = (
         BarColumn(),

@@ -19,12 +19,14 @@ from ...observers import label
 from ..estimate.scores import SETTLED
 from . import style
 from .page import above, settings, write_figures
-from .traces import traces
+from .traces import traces, with_margin
 
 # points of a line that a page can show
 _MOST_POINTS = 4000
 # inches: a panel, and one that is looked at most
 _ROW, _TALL = 0.85, 1.3
+# of the range of the values, above and below them
+_MARGIN = 0.08
 # two noisy lines in one panel
 _MEASURED: style.Style = {"linestyle": "-", "linewidth": 0.6}
 
@@ -81,7 +83,7 @@ def estimate_sheet(dataset: xr.Dataset) -> Figure:
         if any(panel.true in thin for panel in shown):
             handles.append(Line2D([], [], label="true", **style.TRUE))
         if any(bands):
-            handles.append(Patch(label="noise, least to largest", **style.BAND))
+            handles.append(Patch(**style.BAND))
         above(figure, handles)
     return figure
 
@@ -91,14 +93,14 @@ def save_sheet(dataset: xr.Dataset, folder: str | Path, stem: str) -> list[Path]
     return write_figures({"sheet": estimate_sheet(dataset)}, folder, stem)
 
 
-def _measured(above: Axes, below: Axes, thin: xr.Dataset) -> None:
-    above.plot(thin.time.values, thin.position.values * 1e3, color="black", linewidth=0.8)
-    above.set_ylabel("position\nmm")
+def _measured(upper: Axes, lower: Axes, thin: xr.Dataset) -> None:
+    upper.plot(thin.time.values, thin.position.values * 1e3, color="black", linewidth=0.8)
+    upper.set_ylabel("position\nmm")
     for j, look in zip((1, 2), style.lines(["1", "2"]).values(), strict=True):
-        below.plot(thin.time.values, thin.force.sel(muscle=j).values, **{**look, **_MEASURED}, label=f"tendon {j}")
-    below.set_ylabel("force\nN")
+        lower.plot(thin.time.values, thin.force.sel(muscle=j).values, **{**look, **_MEASURED}, label=f"tendon {j}")
+    lower.set_ylabel("force\nN")
     # above its panel, not over the data
-    below.legend(loc="lower right", bbox_to_anchor=(1, 0.95), ncols=2, borderaxespad=0, labelspacing=0)
+    lower.legend(loc="lower right", bbox_to_anchor=(1, 0.95), ncols=2, borderaxespad=0, labelspacing=0)
 
 
 def _draw(axes: Axes, thin: xr.Dataset, panel: Panel, looks: Mapping[str, style.Style]) -> bool:
@@ -114,7 +116,7 @@ def _draw(axes: Axes, thin: xr.Dataset, panel: Panel, looks: Mapping[str, style.
     if panel.true in thin:
         values.append(_settled(of(panel.true)))
         axes.plot(time, of(panel.true).values, **style.TRUE)
-    axes.set_ylim(panel.limits or _limits(np.concatenate(values)))
+    axes.set_ylim(panel.limits or with_margin(np.concatenate(values), _MARGIN))
     return traces(axes, time, {name: estimates.sel(observer=name).values for name in looks}, looks)
 
 
@@ -123,13 +125,6 @@ def _settled(array: xr.DataArray) -> Array:
     late = array.sel(time=slice(float(array.time[0]) + SETTLED, None))
     values: Array = (late if late.sizes["time"] else array).values
     return values[np.isfinite(values)]
-
-
-def _limits(values: Array) -> tuple[float, float]:
-    """Limits that hold what came after the first, maybe wild, moments."""
-    low, high = (float(values.min()), float(values.max())) if values.size else (0.0, 0.0)
-    margin = 0.08 * (high - low) or 0.5
-    return low - margin, high + margin
 
 
 def _mark(axes: Sequence[Axes], thin: xr.Dataset) -> None:

@@ -86,13 +86,13 @@ def explanation(question: Question, point: dict[str, float]) -> Figure:
 
 def _rank_panel(figure: Figure, axes: Axes, data: xr.Dataset) -> None:
     n = len(data.attrs["estimated"].split(","))
-    found = sorted({int(rank) for rank in np.unique(data["rank"]) if rank >= 0}, reverse=True)
-    colours = ListedColormap([_LOSS[min(n - rank, len(_LOSS) - 1)] for rank in found[::-1]])
-    edges = [*(rank - 0.5 for rank in found[::-1]), found[0] + 0.5]
+    ranks = sorted({int(rank) for rank in np.unique(data["rank"]) if rank >= 0}, reverse=True)
+    colours = ListedColormap([_LOSS[min(n - rank, len(_LOSS) - 1)] for rank in ranks[::-1]])
+    edges = [*(rank - 0.5 for rank in ranks[::-1]), ranks[0] + 0.5]
     shown = np.where(data["rank"] >= 0, data["rank"].astype(float), np.nan)
     x, y = (data[name].values for name in data["rank"].dims)
     mesh = axes.pcolormesh(x, y, shown.T, cmap=colours, norm=BoundaryNorm(edges, colours.N), rasterized=True)
-    bar = figure.colorbar(mesh, ax=axes, ticks=found[::-1])
+    bar = figure.colorbar(mesh, ax=axes, ticks=ranks[::-1])
     bar.set_label(f"rank of {n}")
 
 

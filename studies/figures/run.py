@@ -79,8 +79,8 @@ def phi_s(dataset: xr.Dataset) -> Figure:
         tendons = {"": tendons[MUSCLES[0]]}
     figure = Figure(figsize=(style.COLUMN * len(tendons), 2.5), layout="constrained")
     panels = figure.subplots(1, len(tendons), squeeze=False).flat
-    for axes, (muscle, own) in zip(panels, tendons.items(), strict=True):
-        _tendon_curve(axes, own, muscle[-1:] or "j")
+    for axes, (muscle, shown) in zip(panels, tendons.items(), strict=True):
+        _tendon_curve(axes, shown, muscle[-1:] or "j")
     return figure
 
 
@@ -123,8 +123,7 @@ def estimates(dataset: xr.Dataset, quantities: Sequence[str]) -> Figure:
         row[0].set_ylabel(SIGNALS[quantity].symbol, rotation=0, ha="right", va="center")
     for axes in rows[-1]:
         axes.set_xlabel(SIGNALS["t"].symbol)
-    handles = _handles(dataset, quantities, bands)
-    above(figure, handles)
+    above(figure, _handles(dataset, quantities, bands))
     return figure
 
 
@@ -153,7 +152,7 @@ def _handles(dataset: xr.Dataset, quantities: Sequence[str], bands: bool) -> lis
     handles: list[Artist] = [Line2D([], [], label="true", **style.TRUE)]
     handles += [Line2D([], [], label=_name(dataset, name), **look) for name, look in looks.items()]
     if bands:
-        handles.append(Patch(label="noise, least to largest", **style.BAND))
+        handles.append(Patch(**style.BAND))
     if any(slack(dataset, quantity).any() for quantity in quantities):
         handles.append(Patch(label="tendon slack", **style.SLACK))
     asked = [series(dataset, quantity).values[infeasible(dataset, quantity)] for quantity in quantities]

@@ -40,7 +40,7 @@ _OBSERVERS: tuple[Style, ...] = tuple(
 # of the inside of a band: six of them over each other still show what lies below
 _TINT = 0.14
 # in a legend: that of any observer
-BAND: Style = {"facecolor": ("0.5", _TINT), "edgecolor": "0.5", "linewidth": _WIDTH}
+BAND: Style = {"label": "noise, least to largest", "facecolor": ("0.5", _TINT), "edgecolor": "0.5", "linewidth": _WIDTH}
 
 RC: dict[Any, Any] = {
     "font.family": "STIXGeneral",

@@ -43,10 +43,10 @@ def _owner(name: str) -> str:
 
 def _letter(name: str) -> str:
     """A letter with what stands below it; a word stays one."""
-    found = _NAME.fullmatch(_RENAMED.get(name, name).removesuffix(_HAT))
-    if found is None:
+    match = _NAME.fullmatch(_RENAMED.get(name, name).removesuffix(_HAT))
+    if match is None:
         return name.replace("_", " ")
-    base, digits, below = found.groups()
+    base, digits, below = match.groups()
     letter = _GREEK.get(base, base)
     letter = rf"\hat{{{letter}}}" if name.endswith(_HAT) else letter
     # a word below a letter stands upright

@@ -34,6 +34,13 @@ def traces(axes: Axes, time: Array, signals: Mapping[str, Array], looks: Mapping
     return bool(noisy)
 
 
+def with_margin(values: Array, share: float) -> tuple[float, float]:
+    """Limits that show all of the values, with a share of their range on either side."""
+    low, high = (float(values.min()), float(values.max())) if values.size else (0.0, 0.0)
+    margin = share * (high - low) or 0.5
+    return low - margin, high + margin
+
+
 def line(axes: Axes, time: Array, signal: ArrayLike, look: style.Style, label: str) -> None:
     """A signal of (time) as one line."""
     values = np.asarray(signal)

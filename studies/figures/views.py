@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ...model.arrays import Array
 from ...model.symbols import ACTIVATIONS, QUANTITIES, hat, muscle_of
+from .traces import with_margin
 
 Limits = tuple[float, float]
 Flags = NDArray[np.bool_]
@@ -19,6 +20,8 @@ Flags = NDArray[np.bool_]
 _HIDES = 1.8
 # a share of the time: rarer spikes may leave the axes if they hide the rest
 _SPIKES = 0.005
+# of the range of the values, above and below them
+_MARGIN = 0.06
 
 
 def series(dataset: xr.Dataset, name: str) -> xr.DataArray:
@@ -38,7 +41,7 @@ def true(dataset: xr.Dataset, quantity: str) -> Array:
     values = np.asarray(series(dataset, quantity))
     if quantity not in ACTIVATIONS:
         return values
-    # a = (Φ_S − Φ_P)/(g f)   [z] is 0/0 while the tendon is slack
+    # the activation is 0/0 while the tendon is slack
     return np.where(slack(dataset, quantity), np.nan, np.minimum(values, 1))
 
 
@@ -111,10 +114,7 @@ def _lines(dataset: xr.Dataset, quantity: str, when: Flags) -> list[Array]:
 
 def _range(lines: Sequence[Array]) -> Limits:
     """Limits that show all of the lines."""
-    values = np.concatenate(lines)
-    low, high = (float(values.min()), float(values.max())) if values.size else (0.0, 0.0)
-    margin = 0.06 * (high - low) or 0.5
-    return low - margin, high + margin
+    return with_margin(np.concatenate(lines), _MARGIN)
 
 
 def _without_spikes(lines: Sequence[Array]) -> Limits:

@@ -62,6 +62,11 @@ class Axes:
         return (len(self.values[0]),) if self.values else ()
 
     @property
+    def size(self) -> int:
+        """How many points there are."""
+        return math.prod(self.shape)
+
+    @property
     def dimensions(self) -> tuple[str, ...]:
         """Names of these dimensions."""
         return self.paths if self.kind == "grid" else ("point",) * bool(self.values)

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from ...codegen.batch import Trace
 from ...model.arrays import Array
@@ -30,7 +31,7 @@ def swept_conditions(plan: Plan, truth: Trace) -> Violated:
     The suprema are those of `truth`, the recorded run of the scenario itself.
     """
     known, result = facts(plan.prepared, truth), {}
-    points = np.arange(int(np.prod(plan.axes.shape)))
+    points = np.arange(plan.axes.size)
     slices = [points[i : i + _POINTS] for i in range(0, len(points), _POINTS)]
     for block, conditions, names in conditions_of(plan.prepared):
         pieces = [violated(conditions, names, _numbers(plan, block, some, known)) for some in slices]
@@ -63,12 +64,10 @@ def by_point(axes: Axes, broken: Violated) -> dict[str, xr.DataArray]:
     }
 
 
-def _numbers(
-    plan: Plan, block: Block, points: np.ndarray[tuple[int], np.dtype[np.int64]], known: dict[str, float]
-) -> Array:
+def _numbers(plan: Plan, block: Block, points: NDArray[np.int64], known: dict[str, float]) -> Array:
     """(symbols × points) the numbers of `block` and the FACTS at some points."""
     runs = points * len(plan.seeds)
     about = np.tile(list(known.values()), (len(runs), 1))
     for grid, which in plan.on_grids(runs):
         about[which, list(known).index("h")] = grid.h
-    return np.hstack([plan.numbers(runs)[block.name], about]).T
+    return np.hstack([plan.numbers_of(block, runs), about]).T

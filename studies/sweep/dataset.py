@@ -67,5 +67,5 @@ def _about_axis(prepared: Prepared, path: str) -> dict[str, object]:
     """What a swept parameter is, and the scenario's own value unless it has several."""
     members = prepared.paths.expand(path)
     values = {prepared.value(member) for member in members}
-    own = {"scenario_value": values.pop()} if len(values) == 1 else {}
-    return {**about(prepared.paths.parameters[members[0]].sentence), **own}
+    single = {"scenario_value": values.pop()} if len(values) == 1 else {}
+    return {**about(prepared.paths.parameters[members[0]].sentence), **single}

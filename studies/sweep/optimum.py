@@ -34,8 +34,8 @@ def failed(dataset: xr.Dataset) -> xr.DataArray:
 
 def errors(dataset: xr.Dataset) -> xr.DataArray:
     """RMSE (…, seed, observer, quantity); a failed run is infinitely wrong, else those that survive would be chosen."""
-    counted: xr.DataArray = dataset.rmse.where(~failed(dataset), np.inf)
-    return counted
+    rmse: xr.DataArray = dataset.rmse.where(~failed(dataset), np.inf)
+    return rmse
 
 
 def medians(dataset: xr.Dataset) -> xr.DataArray:
@@ -73,7 +73,7 @@ def depends(dataset: xr.Dataset, observer: str) -> bool:
     return not bool((each == first).all())
 
 
-def own(dataset: xr.Dataset, observer: str) -> list[str]:
+def parameters_of(dataset: xr.Dataset, observer: str) -> list[str]:
     """The parameters that vary and are the observer's to choose: its own, not those of the plant or the noise."""
     return [path for path in varied(dataset) if _owner(path) == observer]
 
@@ -94,7 +94,8 @@ def violated(dataset: xr.Dataset, observer: str) -> xr.DataArray:
     What holds nowhere tells no point of the sweep from another; the sentences of the result name it.
     """
     if "condition_violated" not in dataset:
-        return xr.DataArray(np.empty((0,), dtype=bool), dims="condition")
+        points: xr.DataArray = dataset.plant_failed_at.isel(seed=0, drop=True)
+        return xr.zeros_like(points, dtype=bool).expand_dims(condition=0)
     at = dataset.condition_violated
     some = (at.condition_observer == observer) & ~at.all([dim for dim in at.dims if dim != "condition"])
     placed: xr.DataArray = at.assign_coords(place=("condition", np.arange(at.sizes["condition"])))
@@ -107,7 +108,7 @@ def optimum(dataset: xr.Dataset, median: xr.DataArray, observer: str) -> Optimum
     None without a parameter of the observer's own, without numbers, and where another one cannot be held.
     """
     places = held(dataset)
-    if not own(dataset, observer) or None in places.values():
+    if not parameters_of(dataset, observer) or None in places.values():
         return None
     return smallest(dataset, median.isel(places), observer)
 
@@ -117,23 +118,19 @@ def smallest(dataset: xr.Dataset, median: xr.DataArray, observer: str) -> Optimu
     if not median.notnull().any():
         return None
     places = {dim: int(place) for dim, place in median.argmin(...).items()} if median.dims else {}
-    found, chosen = median.isel(places), own(dataset, observer)
+    least = median.isel(places)
     others = {*dataset.observer.values.tolist()} - {observer}
-    values = {path: float(found[path]) for path in axes_of(dataset).paths if _owner(path) not in others}
+    values = {path: float(least[path]) for path in axes_of(dataset).paths if _owner(path) not in others}
     fails = violated(dataset, observer)
     point = {dim: places[dim] for dim in fails.dims if dim == "point"}
-    here = fails.isel(point).sel({dim: found[dim] for dim in fails.dims if dim not in ("point", "condition")})
+    here = fails.isel(point).sel({dim: least[dim] for dim in fails.dims if dim not in ("point", "condition")})
+    ends = {path: (dataset[path].values.min(), dataset[path].values.max()) for path in parameters_of(dataset, observer)}
     return Optimum(
-        float(found),
+        float(least),
         values,
-        tuple(path for path in chosen if values[path] in (dataset[path].values.min(), dataset[path].values.max())),
+        tuple(path for path, limits in ends.items() if values[path] in limits),
         tuple(here.place.values[here.values].tolist()) if here.size else (),
     )
-
-
-def spread(median: xr.DataArray) -> tuple[float, float]:
-    """The least and the largest of `median` (…)."""
-    return float(median.min()), float(median.max())
 
 
 def at_scenario(dataset: xr.Dataset, median: xr.DataArray) -> float:
@@ -145,18 +142,22 @@ def at_scenario(dataset: xr.Dataset, median: xr.DataArray) -> float:
 
 def own_value(dataset: xr.Dataset, path: str) -> float | None:
     """The scenario's value of a swept parameter, if there is one and it is in the range."""
-    values = dataset[path].values
-    own = float(dataset[path].attrs.get("scenario_value", np.nan))
-    return own if values.min() <= own <= values.max() else None
+    values, given = dataset[path].values, _scenario_value(dataset, path)
+    return given if values.min() <= given <= values.max() else None
 
 
 def nearest(dataset: xr.Dataset, path: str) -> int | None:
     """The place of the swept value nearest to the scenario's, or None if the scenario has no single one."""
-    values, own = dataset[path].values, float(dataset[path].attrs.get("scenario_value", np.nan))
-    if np.isnan(own):
+    values, given = dataset[path].values, _scenario_value(dataset, path)
+    if np.isnan(given):
         return None
-    scale = np.log if logarithmic(values) and own > 0 else np.asarray
-    return int(np.abs(scale(values) - scale(own)).argmin())
+    scale = np.log if logarithmic(values) and given > 0 else np.asarray
+    return int(np.abs(scale(values) - scale(given)).argmin())
+
+
+def _scenario_value(dataset: xr.Dataset, path: str) -> float:
+    """The scenario's value of a swept parameter; NaN if it has several."""
+    return float(dataset[path].attrs.get("scenario_value", np.nan))
 
 
 def _owner(path: str) -> str:

@@ -58,7 +58,7 @@ class Plan:
     @property
     def runs(self) -> int:
         """How many runs there are."""
-        return int(np.prod(self.axes.shape, dtype=object)) * len(self.seeds)
+        return self.axes.size * len(self.seeds)
 
     @property
     def parts(self) -> int:
@@ -84,15 +84,15 @@ class Plan:
 
     def numbers(self, runs: NDArray[np.int64]) -> dict[str, Array]:
         """(runs × numbers) for each Block of the loop."""
-        points = self.points(runs)
-        result = {}
-        for block in self.prepared.loop.blocks:
-            own = np.array(self.prepared.paths.values(block, self.prepared.scenario.given))
-            rows = np.broadcast_to(own, (len(runs), len(own))).copy()
-            for axis, places in self.reach(block):
-                rows[:, places] = points[:, axis : axis + 1]
-            result[block.name] = rows
-        return result
+        return {block.name: self.numbers_of(block, runs) for block in self.prepared.loop.blocks}
+
+    def numbers_of(self, block: Block, runs: NDArray[np.int64]) -> Array:
+        """(runs × numbers) in the order of the `p` of `block`."""
+        points, fixed = self.points(runs), self.prepared.paths.values(block, self.prepared.scenario.given)
+        rows = np.tile(fixed, (len(runs), 1))
+        for axis, places in self.reach(block):
+            rows[:, places] = points[:, axis : axis + 1]
+        return rows
 
     def on_grids(self, runs: NDArray[np.int64]) -> Iterator[tuple[Grid, NDArray[np.intp]]]:
         """The time grids of some runs, and which of them run on each, counted within `runs`."""

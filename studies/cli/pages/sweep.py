@@ -8,7 +8,7 @@ import click
 
 from ...figures.page import write_figures
 from ...figures.sweep.curves import curves
-from ...figures.sweep.figures import sweep_figures
+from ...figures.sweep.figures import SHOWN, sweep_figures
 from ...files.netcdf import save_netcdf
 from ...files.writing import writable_folder
 from ...sweep.axes import Range
@@ -22,7 +22,6 @@ _TRIO = {
     "adaptive_sliding_mode.delta_a": Range(0.006, 0.2, 25, logarithmic=True),
 }
 _SEEDS = 40
-_SHOWN = ("x2", "Delta", "u1", "a1")
 # how the best ε_h moves with the noise: from none to speak of to ten times the paper's
 _MAP = {
     "high_gain.eps_h": Range(0.02, 0.5, 25, logarithmic=True),
@@ -42,7 +41,7 @@ def main() -> None:
             name = f"sweep-{path.rpartition('.')[2]}"
             for dataset, suffix in ((clean, "clean"), (noisy, "noisy")):
                 save_netcdf(dataset, folder / f"{name}-{suffix}.nc")
-            write_figures({"trade-off": curves(noisy, _SHOWN, clean)}, folder, name)
+            write_figures({"trade-off": curves(noisy, SHOWN, clean)}, folder, name)
             click.echo(f"{path}, {_SEEDS} seeds, with noise:")
             for note in notes(noisy):
                 click.echo(note)

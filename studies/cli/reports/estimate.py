@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 from rich.table import Table
 from rich.text import Text
 
+from ....model.arrays import Array
 from ....model.skeleton import pull
 from ....observers import label
 from ...estimate.scores import BOTH, SETTLED, Score
-from .number import number
+from .number import counted, number
 
 # a table in the units that muscles have
 _SHOWN = {
@@ -59,7 +60,7 @@ def notes(dataset: xr.Dataset) -> Iterator[str]:
         )
     gains, substeps = json.loads(attributes["gains"]), json.loads(attributes["substeps"])
     for name in dataset.observer.values.tolist():
-        steps = f"{label(name)}: {substeps[name]} step{'s' if substeps[name] > 1 else ''} from sample to sample"
+        steps = f"{label(name)}: {counted(substeps[name], 'step')} from sample to sample"
         numbers = [f"{path.partition('.')[2]} = {value:.3g}" for path, value in gains[name].items()]
         yield f"{steps}; {', '.join(numbers)}" if numbers else steps
         of = dataset.sel(observer=name)
@@ -119,7 +120,7 @@ def _against(dataset: xr.Dataset) -> bool:
     return bool(fast and np.cov(difference, total)[0, 1] < -_SLOPE * difference.var())
 
 
-def _episodes(time: np.ndarray[tuple[int, ...], np.dtype[np.float64]], active: NDArray[np.bool_]) -> str:
+def _episodes(time: Array, active: NDArray[np.bool_]) -> str:
     """`from 1.2 to 1.3 s`, or how many times and how long in all."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], active, [False]]).astype(np.int8)))
     starts, ends = edges[::2], edges[1::2] - 1

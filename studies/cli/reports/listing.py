@@ -84,8 +84,8 @@ def _parameters() -> Iterator[str]:
     yield f"{'path':44} {'default':>10}  meaning [unit, where it is not 1] (source)"
     for path, valid in CHOICES.items():
         yield f"{path:44} {valid[0]:>10}  one of {', '.join(valid)}"
-    own = {path: parameter for path, parameter in paths.parameters.items() if parameter.shared in ("", path)}
-    yield from (f"{path:44} {p.default:>10.6g}  {describe(p)}" for path, p in own.items())
+    shown = {path: parameter for path, parameter in paths.parameters.items() if parameter.shared in ("", path)}
+    yield from (f"{path:44} {p.default:>10.6g}  {describe(p)}" for path, p in shown.items())
     yield "Other curves have other numbers in the place of the paper's: `hillobs list curves`."
     yield "`muscle.k` sets muscle1.k and muscle2.k; likewise all of muscle, and pulse. In one file or on one command"
     yield "line muscle1.k wins over muscle.k, whatever their order; a command line wins over a file."

@@ -13,7 +13,7 @@ from rich.text import Text
 
 from ...observability.point import Answer
 from ...observability.question import Question
-from .number import number
+from .number import counted, number
 
 SCALING = "columns × typical size (0.01 for x, Δ, u; 0.5 for a1, 0.1 for a2), rows normalised, zero rows stay zero"
 _INPUTS = {
@@ -107,7 +107,7 @@ def ranks_over(data: xr.Dataset) -> str:
 
 def _growth(ranks: tuple[int, ...]) -> str:
     idle = len(ranks) - 1 - ranks.index(ranks[-1])
-    return f"; it did not grow for {idle} more order{'s' if idle > 1 else ''}" if idle else ""
+    return f"; it did not grow for {counted(idle, 'more order')}" if idle else ""
 
 
 def _direction(direction: Mapping[str, float]) -> str:

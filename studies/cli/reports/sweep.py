@@ -18,14 +18,13 @@ from ...sweep.optimum import (
     held,
     medians,
     optimum,
-    own,
     own_value,
+    parameters_of,
     shown_of,
-    spread,
     varied,
 )
 from ...sweep.region import where
-from .number import number
+from .number import counted, number
 
 _SHOWN = ("x2", "Delta", "u1", "u2", "a1", "a2")
 # characters of a word that a heading has room for
@@ -45,13 +44,14 @@ def tables(dataset: xr.Dataset) -> list[Table]:
     compared = dataset.attrs["kind"] == "grid"
     paths, scenario = list(axes_of(dataset).paths), ["scenario's\nown"] * compared
     optima, spreads = [], []
-    for who, quantity, median, found in _errors(dataset):
+    for who, quantity, median, best in _errors(dataset):
         at = [number(at_scenario(dataset, median))] * compared
-        if found is None:
-            spreads.append((who, quantity, *at, *map(number, spread(median)), _change(*spread(median))))
+        if best is None:
+            least, largest = float(median.min()), float(median.max())
+            spreads.append((who, quantity, *at, number(least), number(largest), _change(least, largest)))
         else:
-            values = [f"{found.values[path]:.4g}" if path in found.values else "" for path in paths]
-            optima.append((who, quantity, *values, number(found.error), *at, _remark(found)))
+            values = [f"{best.values[path]:.4g}" if path in best.values else "" for path in paths]
+            optima.append((who, quantity, *values, number(best.error), *at, _remark(best)))
     headings = [_heading(path) for path in paths]
     each = (
         (optima, [*headings, "median\nRMSE", *scenario, ""]),
@@ -62,8 +62,8 @@ def tables(dataset: xr.Dataset) -> list[Table]:
 
 def notes(dataset: xr.Dataset) -> Iterator[str]:
     """Sentences above the tables: how many runs, what failed, which gain conditions do not hold, what is compared."""
-    runs = dataset.plant_failed_at.size
-    yield f"{runs:,} run{'s' if runs > 1 else ''} of {dataset.attrs['scenario']}, {dataset.sizes['seed']:,} per point"
+    runs = counted(dataset.plant_failed_at.size, "run")
+    yield f"{runs} of {dataset.attrs['scenario']}, {dataset.sizes['seed']:,} per point"
     yield from _failures(dataset, "the plant", dataset.plant_failed_at, dataset.plant_failure)
     for observer in dataset.observer.values.tolist():
         of = dataset.sel(observer=observer)
@@ -101,12 +101,12 @@ def _heading(path: str) -> str:
     return ".\n".join(word.replace("_", "_\n", 1) if len(word) > _LONG else word for word in words)
 
 
-def _remark(found: Optimum) -> str:
+def _remark(best: Optimum) -> str:
     """Why an optimum may be none; the numbers are those of the notes."""
-    words = [f"edge of {', '.join(path.partition('.')[2] for path in found.edges)}"] if found.edges else []
-    if found.violated:
-        numbers = " ".join(f"({place + 1})" for place in found.violated)
-        words.append(f"{numbers} fail{'s' if len(found.violated) == 1 else ''}")
+    words = [f"edge of {', '.join(path.partition('.')[2] for path in best.edges)}"] if best.edges else []
+    if best.violated:
+        numbers = " ".join(f"({place + 1})" for place in best.violated)
+        words.append(f"{numbers} fail{'s' if len(best.violated) == 1 else ''}")
     return ", ".join(words)
 
 
@@ -129,7 +129,7 @@ def _failures(dataset: xr.Dataset, who: str, times: xr.DataArray, causes: xr.Dat
     name = str(causes.attrs["flag_meanings"]).split()[most]
     at = where(axes_of(dataset), (causes == most).any("seed").values.ravel())
     yield f"{who} failed in {lost:,} of them, first at τ = {float(times.min()):g}"
-    yield f"  commonest cause: {name} ({(places == most).sum():,} runs), {at}"
+    yield f"  commonest cause: {name} ({counted(int((places == most).sum()), 'run')}), {at}"
 
 
 def _comparison(dataset: xr.Dataset) -> Iterator[str]:
@@ -146,14 +146,14 @@ def _comparison(dataset: xr.Dataset) -> Iterator[str]:
 def _sought(dataset: xr.Dataset) -> Iterator[str]:
     """What the optima are sought over, why there are none, and what an edge means."""
     observers = dataset.observer.values.tolist()
-    chosen = [path for path in varied(dataset) if any(path in own(dataset, name) for name in observers)]
+    chosen = [path for path in varied(dataset) if any(path in parameters_of(dataset, name) for name in observers)]
     if not chosen:
         return
-    places, optima = held(dataset), [found for *_, found in _errors(dataset) if found]
+    places, optima = held(dataset), [best for *_, best in _errors(dataset) if best]
     at = [f"{path} = {dataset[path].values[place]:.4g}" for path, place in places.items() if place is not None]
     if lost := [path for path, place in places.items() if place is None]:
         yield f"no optimum over {', '.join(chosen)}: {', '.join(lost)} cannot be held at one value of the scenario's"
     elif at:
         yield f"smallest over {', '.join(chosen)}, at {', '.join(at)}, the nearest to the scenario's"
-    if any(found.edges for found in optima):
+    if any(best.edges for best in optima):
         yield "edge: the least or the largest value that was swept; the optimum may lie beyond"

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from ....model.arrays import Array
 from ....observers import label
 from ...sweep.optimum import Optimum, errors, failed, medians, optimum, own_value, varied, violated
 from .. import style
@@ -32,19 +33,19 @@ def curves(dataset: xr.Dataset, quantities: Sequence[str], clean: xr.Dataset | N
     flat = flattened(dataset)
     optima: list[Optimum] = []
     with settings():
-        figure, found = panels(quantities)
-        for quantity, axes in found.items():
+        figure, by_quantity = panels(quantities)
+        for quantity, axes in by_quantity.items():
             for observer, look in style.observer_styles(dataset.observer.values.tolist()).items():
                 _violations(axes, flat, observer, look)
                 optima += _line(axes, flat, observer, quantity, look)
                 if clean is not None:
-                    median = medians(flattened(clean)).sel(observer=observer, quantity=quantity)
+                    median = medians(flattened(clean).sel(observer=observer, quantity=quantity))
                     axes.plot(median[path].values, median.values, **_CLEAN)
-            if (own := own_value(dataset, path)) is not None:
-                axes.axvline(own, **OWN)
+            if (value := own_value(dataset, path)) is not None:
+                axes.axvline(value, **OWN)
             scale(axes, "x", flat[path].values)
             error_scale(axes)
-        name_axes(found, symbol(path), "RMSE")
+        name_axes(by_quantity, symbol(path), "RMSE")
         above(figure, _handles(flat, path, optima, clean is not None))
     return figure
 
@@ -60,24 +61,24 @@ def _violations(axes: Axes, flat: xr.Dataset, observer: str, look: style.Style) 
 
 def _line(axes: Axes, flat: xr.Dataset, observer: str, quantity: str, look: style.Style) -> list[Optimum]:
     """One observer's median, the spread, the optimum if there is one, and crosses above where runs failed."""
-    (path,), of = varied(flat), {"observer": observer, "quantity": quantity}
-    values, median = flat[path].values, medians(flat).sel(of)
+    (path,), scored = varied(flat), flat.sel(observer=observer, quantity=quantity)
+    values, median = flat[path].values, medians(scored)
     axes.plot(values, median.values, **look)
     if flat.sizes["seed"] > 1:
         # the nearest rank: nothing is interpolated between a number and a failure
-        low, high = (_finite(errors(flat).sel(of).quantile(share, "seed", method="nearest")) for share in _SPREAD)
+        low, high = (_finite(errors(scored).quantile(share, "seed", method="nearest")) for share in _SPREAD)
         axes.fill_between(values, low, high, color=look["color"], alpha=0.25, linewidth=0)
-    found = optimum(flat, median, observer)
-    if found is not None:
-        mark = OPTIMUM if found.inside else SMALLEST
-        axes.plot(found.values[path], found.error, color=look["color"], **mark, zorder=6)
-    lost = values[failed(flat).sel(observer=observer).any("seed").values]
+    best = optimum(flat, median, observer)
+    if best is not None:
+        mark = OPTIMUM if best.inside else SMALLEST
+        axes.plot(best.values[path], best.error, color=look["color"], **mark, zorder=6)
+    lost = values[failed(scored).any("seed").values]
     if lost.size:
         axes.plot(lost, np.ones_like(lost), color=look["color"], transform=axes.get_xaxis_transform(), **_FAILED)
-    return [] if found is None else [found]
+    return [] if best is None else [best]
 
 
-def _finite(values: xr.DataArray) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+def _finite(values: xr.DataArray) -> Array:
     return np.where(np.isfinite(values.values), values.values, np.nan)
 
 
@@ -88,9 +89,9 @@ def _handles(flat: xr.Dataset, path: str, optima: Sequence[Optimum], clean: bool
         handles.append(Patch(label="⅔ of the seeds", facecolor="0.5", alpha=0.35))
     if clean:
         handles.append(Line2D([], [], label="without noise", **_CLEAN))
-    if any(found.inside for found in optima):
+    if any(best.inside for best in optima):
         handles.append(Line2D([], [], label="optimum", color="0.35", **OPTIMUM))
-    if not all(found.inside for found in optima):
+    if not all(best.inside for best in optima):
         handles.append(Line2D([], [], label="smallest, no optimum", color="0.35", **SMALLEST))
     if any(violated(flat, name).any() for name in observers):
         handles.append(Patch(label="gain condition fails", edgecolor="0.35", **_VIOLATED))

@@ -14,22 +14,23 @@ from .curves import curves
 from .maps import maps
 from .scatter import scatter
 
-_SHOWN = ("x2", "Delta", "u1", "a1")
+# what is drawn if all quantities are scored
+SHOWN = ("x2", "Delta", "u1", "a1")
 # columns that a page has room for
 _MOST_COLUMNS = 5
 
 
 def sweep_figures(dataset: xr.Dataset) -> tuple[dict[str, Figure], str]:
     """The figures by name, and a sentence where they are not what is expected: `curves`, `map-OBSERVER` or `points`."""
-    paths, grid, quantities = varied(dataset), dataset.attrs["kind"] == "grid", shown_of(dataset, _SHOWN)
+    paths, grid, quantities = varied(dataset), dataset.attrs["kind"] == "grid", shown_of(dataset, SHOWN)
     if not paths:
         return {}, "no figure: no parameter has more than one value"
     if grid and len(paths) == 1:
         return {"curves": curves(dataset, quantities)}, ""
     if grid and len(paths) == 2:
-        observers = dataset.observer.values.tolist()
-        still = [label(name) for name in observers if not depends(dataset, name)]
-        drawn = {f"map-{name}": maps(dataset, name, quantities) for name in observers if depends(dataset, name)}
+        changes = {name: depends(dataset, name) for name in dataset.observer.values.tolist()}
+        still = [label(name) for name, any_change in changes.items() if not any_change]
+        drawn = {f"map-{name}": maps(dataset, name, quantities) for name, any_change in changes.items() if any_change}
         return drawn, f"no map of {', '.join(still)}: {' and '.join(paths)} do not change it" if still else ""
     if len(paths) > _MOST_COLUMNS:
         return {}, f"no figure: {len(paths)} parameters vary, more than {_MOST_COLUMNS}"

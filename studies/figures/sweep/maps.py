@@ -15,7 +15,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from ....observers import label
-from ...sweep.optimum import Optimum, failed, medians, own, own_value, smallest, varied, violated
+from ...sweep.optimum import Optimum, failed, medians, own_value, parameters_of, smallest, varied, violated
 from .. import style
 from ..page import above, settings
 from ..symbols import symbol
@@ -44,30 +44,29 @@ _FLAT = 1e-3
 def maps(dataset: xr.Dataset, observer: str, quantities: Sequence[str]) -> Figure:
     """Median RMSE of each quantity over the two parameters that vary in a grid, for one observer."""
     flat, (x, y) = flattened(dataset), varied(dataset)
-    errors = medians(flat).sel(observer=observer).transpose(y, x, "quantity")
+    errors = medians(flat.sel(observer=observer)).transpose(y, x, "quantity")
     lost = failed(flat).sel(observer=observer).any("seed").transpose(y, x)
-    broken = violated(flat, observer).any("condition")
+    broken = violated(flat, observer).any("condition").transpose(y, x)
     own_values = {path: value for path in (x, y) if (value := own_value(flat, path)) is not None}
     optima: list[Optimum] = []
     with settings():
-        figure, found = panels(quantities)
-        for quantity, axes in found.items():
+        figure, by_quantity = panels(quantities)
+        for quantity, axes in by_quantity.items():
             median = errors.sel(quantity=quantity)
             _colours(figure, axes, median)
             _hatch(axes, lost, _FAILED)
-            if broken.dims:
-                _hatch(axes, broken.transpose(y, x), _VIOLATED)
+            _hatch(axes, broken, _VIOLATED)
             ridge = _ridge(flat, median, observer)
-            axes.plot([one.values[x] for one in ridge], [one.values[y] for one in ridge], **_RIDGE)
-            for one in ridge:
-                axes.plot(one.values[x], one.values[y], **(_OPTIMUM if one.inside else _SMALLEST))
+            axes.plot([best.values[x] for best in ridge], [best.values[y] for best in ridge], **_RIDGE)
+            for best in ridge:
+                axes.plot(best.values[x], best.values[y], **(_OPTIMUM if best.inside else _SMALLEST))
             if len(own_values) == 2:
                 axes.plot(own_values[x], own_values[y], **_OWN)
             for direction, path in (("x", x), ("y", y)):
                 scale(axes, direction, flat[path].values)
             axes.grid(visible=False)
             optima += ridge
-        name_axes(found, symbol(x), symbol(y))
+        name_axes(by_quantity, symbol(x), symbol(y))
         above(figure, _handles(flat, observer, optima, len(own_values) == 2))
     return figure
 
@@ -102,21 +101,21 @@ def _hatch(axes: Axes, where: xr.DataArray, look: style.Style) -> None:
 
 def _ridge(flat: xr.Dataset, median: xr.DataArray, observer: str) -> list[Optimum]:
     """Where the error is smallest: one point, or if one parameter is not the observer's one for each of its values."""
-    given = [path for path in median.dims if path not in own(flat, observer)]
+    given = [path for path in median.dims if path not in parameters_of(flat, observer)]
     if len(given) == len(median.dims):
         return []
     lines = [median.isel({given[0]: i}) for i in range(median.sizes[given[0]])] if given else [median]
-    return [found for one in lines if (found := smallest(flat, one, observer)) is not None]
+    return [best for line in lines if (best := smallest(flat, line, observer)) is not None]
 
 
 def _handles(flat: xr.Dataset, observer: str, optima: Sequence[Optimum], own_values: bool) -> list[Artist]:
     seeds = f", {flat.sizes['seed']:,} seeds" if flat.sizes["seed"] > 1 else ""
     handles: list[Artist] = [Patch(label=f"{label(observer)}{seeds}", visible=False)]
-    chosen = own(flat, observer)
+    chosen = parameters_of(flat, observer)
     best = f"best {symbol(chosen[0])}" if len(chosen) == 1 else "optimum"
-    if any(found.inside for found in optima):
+    if any(best.inside for best in optima):
         handles.append(Line2D([], [], label=best, **{**_RIDGE, **_OPTIMUM}))
-    if not all(found.inside for found in optima):
+    if not all(best.inside for best in optima):
         handles.append(Line2D([], [], label="smallest, no optimum", **{**_SMALLEST, "markeredgecolor": "0.35"}))
     if own_values:
         handles.append(Line2D([], [], label="scenario's values", **_OWN))

@@ -49,10 +49,10 @@ def panels(quantities: Sequence[str]) -> tuple[Figure, dict[str, Axes]]:
     grid = figure.subplots(rows, columns, squeeze=False).flat
     for spare in list(grid)[len(quantities) :]:
         spare.remove()
-    found = dict(zip(quantities, figure.axes, strict=True))
-    for quantity, axes in found.items():
+    by_quantity = dict(zip(quantities, figure.axes, strict=True))
+    for quantity, axes in by_quantity.items():
         axes.set_title(SIGNALS[quantity].symbol, fontsize=9)
-    return figure, found
+    return figure, by_quantity
 
 
 def name_axes(panels: Mapping[str, Axes], x: str, y: str) -> None:

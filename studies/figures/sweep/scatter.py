@@ -9,7 +9,6 @@ import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from numpy.typing import NDArray
 
 from ....model.symbols import SIGNALS
 from ....observers import label
@@ -30,9 +29,9 @@ _ROOM, _FEWEST = 10, 3
 def scatter(dataset: xr.Dataset, quantities: Sequence[str]) -> Figure:
     """Median RMSE of each quantity at each point, a row per quantity and a column per parameter that varies."""
     paths, axes_ = varied(dataset), axes_of(dataset)
-    values = dict(zip(axes_.paths, axes_.at(np.arange(int(np.prod(axes_.shape)))).T, strict=True))
+    values = dict(zip(axes_.paths, axes_.at(np.arange(axes_.size)).T, strict=True))
     errors, looks = medians(dataset), style.observer_styles(dataset.observer.values.tolist())
-    broken = {observer: _broken(dataset, observer) for observer in looks}
+    broken = {name: violated(dataset, name).any("condition").values.ravel() for name in looks}
     with settings():
         figure = Figure(figsize=(style.PAGE, _AROUND + _ROW * len(quantities)), layout="constrained")
         rows = figure.subplots(len(quantities), len(paths), sharex="col", sharey="row", squeeze=False)
@@ -42,8 +41,8 @@ def scatter(dataset: xr.Dataset, quantities: Sequence[str]) -> Figure:
                     median = errors.sel(observer=observer, quantity=quantity).values.ravel()
                     for point, where in ((_POINT, ~broken[observer]), (_VIOLATED, broken[observer])):
                         axes.plot(values[path][where], median[where], color=look["color"], rasterized=True, **point)
-                if (own := own_value(dataset, path)) is not None:
-                    axes.axvline(own, **OWN)
+                if (value := own_value(dataset, path)) is not None:
+                    axes.axvline(value, **OWN)
                 scale(axes, "x", np.unique(values[path]), max(_FEWEST, _ROOM // len(paths)))
                 error_scale(axes)
             row[0].set_ylabel(f"RMSE of {SIGNALS[quantity].symbol}")
@@ -51,12 +50,6 @@ def scatter(dataset: xr.Dataset, quantities: Sequence[str]) -> Figure:
             axes.set_xlabel(symbol(path))
         above(figure, _handles(dataset, any(where.any() for where in broken.values())))
     return figure
-
-
-def _broken(dataset: xr.Dataset, observer: str) -> NDArray[np.bool_]:
-    """(points) where a gain condition of an observer does not hold."""
-    at = violated(dataset, observer)
-    return at.any("condition").values.ravel() if at.size else np.zeros(int(np.prod(axes_of(dataset).shape)), dtype=bool)
 
 
 def _handles(dataset: xr.Dataset, broken: bool) -> list[Artist]:

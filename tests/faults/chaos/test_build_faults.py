@@ -334,12 +334,7 @@ def test_a_full_disk(place, namespace, record_property, size):
     assert roomy[0] == 0
     assert warm[:2] == (0, f"0 0 {warm[1].split(maxsplit=2)[2]}")
     left = (here.root / "left").read_text().split()
-    assert sorted(Path(name).suffix for name in left) == [
-        ".cpp",
-        ".json",
-        ".lock",
-        ".so",
-    ]
+    assert sorted(Path(name).suffix for name in left) == [".cpp", ".json", ".lock", ".so"]
     record_property("faults", 1)
 
 
