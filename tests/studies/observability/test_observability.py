@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from scipy.linalg import null_space, orth
 
-import independent
 from hillobs.codegen.library import compile_functions
 from hillobs.model.block import Block, BlockError, Parameter, Symbols, symbols
 from hillobs.model.pair import pair
@@ -36,6 +35,7 @@ from hillobs.studies.observability.map import along, over
 from hillobs.studies.observability.point import answer, start_point
 from hillobs.studies.observability.question import pose
 from hillobs.studies.scenarios.prepare import prepare
+from independent import muscle
 
 Array = NDArray[np.float64]
 Point = Mapping[str, float]
@@ -263,12 +263,12 @@ def outputs_of(unknown: str, start: Array, duration: float, sensors: Sequence[st
     def rhs(_: float, flat: Array) -> Array:
         x1, x2, x3, x4, Delta, *w = X = flat.reshape(7, -1)
         tendons = np.stack([x3, x4])
-        force = independent.Phi_S(tendons)
+        force = muscle.Phi_S(tendons)
         u = np.stack(w)
         if unknown == "a":
-            L_C = independent.fibres(x1, tendons, 5.54)
-            z = (force - independent.Phi_P(L_C)) / (np.clip(u, 0.01, 1) * independent.f(L_C))
-            u = independent.g_inv(np.clip(z, 0, 1.45))
+            L_C = muscle.fibres(x1, tendons, 5.54)
+            z = (force - muscle.Phi_P(L_C)) / (np.clip(u, 0.01, 1) * muscle.f(L_C))
+            u = muscle.g_inv(np.clip(z, 0, 1.45))
         rates = np.zeros_like(X)
         rates[:4] = x2, force[1] - force[0] + Delta, x2 + u[0], -x2 + u[1]
         return rates.ravel()
@@ -277,7 +277,7 @@ def outputs_of(unknown: str, start: Array, duration: float, sensors: Sequence[st
     run = solve_ivp(rhs, (0, duration), start.ravel(), method="DOP853", t_eval=times, rtol=1e-12, atol=1e-13)
     x1, x2, x3, x4 = run.y.reshape(7, -1, len(times))[:4]
     every = {
-        "x1": x1, "x2": x2, "Phi_S1": independent.Phi_S(x3), "Phi_S2": independent.Phi_S(x4),
+        "x1": x1, "x2": x2, "Phi_S1": muscle.Phi_S(x3), "Phi_S2": muscle.Phi_S(x4),
         "L_C1": x1 - x3, "L_C2": 5.54 - x1 - x4,
     }  # fmt: skip
     return np.concatenate([every[name].T for name in sensors])
@@ -387,8 +387,8 @@ def many() -> Callable[[str, Array], Array]:
 
 def force_factors(x: Array) -> Array:
     """z of both muscles at points (x₁ … x₄, Δ, a₁, a₂)."""
-    L_C = independent.fibres(x[:, 0], x[:, 2:4].T, 5.54)
-    return (independent.Phi_S(x[:, 2:4].T) - independent.Phi_P(L_C)) / (x[:, 5:7].T * independent.f(L_C))
+    L_C = muscle.fibres(x[:, 0], x[:, 2:4].T, 5.54)
+    return (muscle.Phi_S(x[:, 2:4].T) - muscle.Phi_P(L_C)) / (x[:, 5:7].T * muscle.f(L_C))
 
 
 def points(unknown: str, count: int, seed: int, tendon: tuple[float, float] = (2.004, 2.06)) -> Array:
@@ -571,7 +571,7 @@ def test_the_determinant_is_that_of_the_slopes(lengths: list[float], x2: float, 
     at = {**TAUT, "x2": x2, "u1": u, "x3": lengths[0], "x4": lengths[1]}
     D = evaluate(b, decoupling(), at)
     assert D.shape == (7, 7)
-    slopes = np.array([float(independent.dPhi_S(np.array([L]))[0]) for L in lengths])
+    slopes = np.array([float(muscle.dPhi_S(np.array([L]))[0]) for L in lengths])
     assert abs(np.linalg.det(D)) == pytest.approx(np.prod(slopes**2), rel=1e-9)
     if min(lengths) <= 2:
         assert np.linalg.det(D) == 0
