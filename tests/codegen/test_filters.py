@@ -8,7 +8,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-import independent
 from hillobs.codegen.bank import Bank
 from hillobs.codegen.filters import CompiledBank
 from hillobs.model.block import Block, Symbols, symbols
@@ -17,6 +16,8 @@ from hillobs.observers import OBSERVERS
 from hillobs.studies.estimate.follow import compiled_bank, follower_bank
 from hillobs.studies.scenarios.paths import paths_of
 from hillobs.studies.simulate.run import simulate
+from independent.model import Model
+from independent.muscle import Phi_S_inv, activation
 
 pytestmark = pytest.mark.numerics
 
@@ -55,20 +56,20 @@ def recorded(n: int, uneven: bool = True, seed: int = 3) -> tuple[np.ndarray, np
     return t, y + random.normal(size=(n, 3)) * 1e-4
 
 
-def by_hand(t: np.ndarray, y: np.ndarray, substeps: int) -> tuple[np.ndarray, independent.Model]:
+def by_hand(t: np.ndarray, y: np.ndarray, substeps: int) -> tuple[np.ndarray, Model]:
     """The 31 states of the independent text at each sample: RK4, measurements in straight lines."""
-    model = independent.Model({})
+    model = Model({})
     X = model.start()[:, None]
     sign, c = np.array([[1.0], [-1.0]]), model.curves["plant"]
 
     def rhs(X: np.ndarray, seen: np.ndarray) -> np.ndarray:
         d = np.zeros_like(X)
-        lengths = independent.Phi_S_inv(seen[1:, None], c)
+        lengths = Phi_S_inv(seen[1:, None], c)
         for i, name in enumerate(PLAIN):
             o = 4 + 7 * i
             e = lengths - X[o + 3 : o + 7 : 2]
             accel = (seen[2] - seen[1]) / model.m[name]
-            getattr(model, name)(X, d, o, seen[0] - X[o], e, accel, sign * X[o + 1])
+            model.observers[name].rates(X, d, o, seen[0] - X[o], e, accel, sign * X[o + 1])
         return d
 
     every = [X]
@@ -95,7 +96,7 @@ def test_the_estimates_are_those_of_an_independent_text(substeps: int, observers
         found, theirs = followed(name, t, y, substeps), states[:, 4 + 7 * i : 11 + 7 * i]
         np.testing.assert_allclose(found[:, :7], theirs, atol=1e-9, err_msg=name)
         u = np.clip(theirs[:, [4, 6]].T, -5, 0.95)
-        a = independent.activation(theirs[:, 0], theirs[:, [3, 5]].T, u, model.C[name], model.curves[name])
+        a = activation(theirs[:, 0], theirs[:, [3, 5]].T, u, model.C[name], model.curves[name])
         np.testing.assert_allclose(found[:, 7:], np.clip(a, 0, 1).T, atol=1e-8, err_msg=name)
 
 

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 import xarray as xr
 
-import independent
 from hillobs.codegen import batch, toolchain
 from hillobs.codegen.batch import compile_loop
 from hillobs.model.block import Block, Symbols, symbols
@@ -18,6 +17,11 @@ from hillobs.studies.scenarios.loops import paper_loop
 from hillobs.studies.scenarios.prepare import prepare
 from hillobs.studies.simulate.files import columns
 from hillobs.studies.simulate.run import simulate, simulate_prepared
+from independent import measures, simulation
+from independent.muscle import Phi_S
+from independent.noise import PHILOX_VECTORS, uniform
+from independent.parameters import SCENARIOS
+from independent.states import OBSERVERS, STATES
 from places import DATA
 
 pytestmark = pytest.mark.numerics
@@ -111,9 +115,9 @@ def test_so_is_any_other_run(seed: int) -> None:
     changes = {**random_changes(seed), "duration": 2.0, "record": 0.02}
     ours = simulate("paper-clean", changes=changes)
     grid = ours.time.values
-    theirs = independent.simulate(changes, method="dop853", grid=grid)
+    theirs = simulation.simulate(changes, method="dop853", grid=grid)
     named = table(ours)
-    for i, name in enumerate(independent.STATES):
+    for i, name in enumerate(STATES):
         assert np.abs(named[name] - theirs.states[i, :, 0]).max() <= tolerance(name), name
     for i, name in enumerate(("a1", "a2")):
         assert np.abs(named[name] - theirs.a[i, :, 0]).max() <= 1e-8, name
@@ -124,19 +128,19 @@ def test_with_noise_the_steps_are_the_same(scenario: str) -> None:
     """The same RK4 with the same draws: equal to rounding, estimates and measures."""
     changes = {"duration": 1.0, "step": 1e-3, "record": 1e-3, "score.start": 0.3, "seed": 7}
     ours = simulate(scenario, changes=changes)
-    given = {**independent.SCENARIOS[scenario], **{k: v for k, v in changes.items() if k != "seed"}}
-    theirs = independent.simulate(given, seeds=[7])
+    given = {**SCENARIOS[scenario], **{k: v for k, v in changes.items() if k != "seed"}}
+    theirs = simulation.simulate(given, seeds=[7])
     named = table(ours)
-    for i, name in enumerate(independent.STATES):
+    for i, name in enumerate(STATES):
         np.testing.assert_allclose(named[name], theirs.states[i, :, 0], atol=1e-9, err_msg=name)
     np.testing.assert_allclose(ours.y.values.T, theirs.y[:, :, 0], atol=1e-12)
-    for observer in independent.OBSERVERS:
-        error = independent.errors(theirs, observer)
+    for observer in OBSERVERS:
+        error = measures.errors(theirs, observer)
         of = ours.sel(estimator=observer)
-        np.testing.assert_allclose(of.rmse, independent.rmse(error, theirs.t, 0.3)[:, 0], rtol=1e-6)
-        np.testing.assert_allclose(of.peak, independent.peak(error)[:, 0], rtol=1e-6)
-        np.testing.assert_allclose(of.settling, independent.settling(error, theirs.t)[:, 0], atol=1e-12)
-        np.testing.assert_allclose(of.chattering[4:], independent.chattering(theirs, observer)[:, 0], rtol=1e-6)
+        np.testing.assert_allclose(of.rmse, measures.rmse(error, theirs.t, 0.3)[:, 0], rtol=1e-6)
+        np.testing.assert_allclose(of.peak, measures.peak(error)[:, 0], rtol=1e-6)
+        np.testing.assert_allclose(of.settling, measures.settling(error, theirs.t)[:, 0], atol=1e-12)
+        np.testing.assert_allclose(of.chattering[4:], measures.chattering(theirs, observer)[:, 0], rtol=1e-6)
 
 
 def test_a_tendon_is_masked_while_it_is_slack() -> None:
@@ -221,7 +225,7 @@ def noise(seed: int, channel: int, samples: int) -> np.ndarray:
 
 def test_philox_gives_the_published_vectors() -> None:
     dll = compile_loop(paper_loop("virtual", NGUYEN2019)).dll
-    for counter, key, expected in independent.PHILOX_VECTORS:
+    for counter, key, expected in PHILOX_VECTORS:
         words = (ctypes.c_uint32 * 4)()
         dll.hillobs_philox((ctypes.c_uint32 * 4)(*counter), (ctypes.c_uint32 * 2)(*key), words)
         assert list(words) == list(expected)
@@ -231,7 +235,7 @@ def test_philox_gives_the_published_vectors() -> None:
 def test_noise_is_the_same_in_python_and_in_C(seed: int) -> None:
     for channel in range(3):
         ours = noise(seed, channel, 2000)
-        np.testing.assert_array_equal(ours, independent.uniform(seed, channel, np.arange(2000)))
+        np.testing.assert_array_equal(ours, uniform(seed, channel, np.arange(2000)))
         assert np.all((ours > -1) & (ours <= 1))
     assert not np.array_equal(noise(seed, 0, 50), noise(seed, 1, 50))
 
@@ -248,7 +252,7 @@ def test_noise_does_not_depend_on_the_step() -> None:
 
 
 def _forces(run: xr.Dataset) -> list[np.ndarray]:
-    return [independent.Phi_S(run.x.values[:, i]) for i in (2, 3)]
+    return [Phi_S(run.x.values[:, i]) for i in (2, 3)]
 
 
 def test_the_adaptive_observer_survives_ten_times_the_noise() -> None:
