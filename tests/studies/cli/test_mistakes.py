@@ -143,7 +143,7 @@ for arguments in eval(sys.stdin.read()):
 def test_every_mistake_is_the_same_in_other_surroundings(surroundings: str, tmp_path: Path) -> None:
     for name, content in FILES.items():
         (tmp_path / name).write_bytes(content)
-    every = [*BAD, *(["simulate", "--", name] for name in FILES)]
+    mistakes = [*BAD, *(["simulate", "--", name] for name in FILES)]
     environment = {"PATH": os.environ["PATH"], "HILLOBS_CACHE": os.environ["HILLOBS_CACHE"]}
     options = [surroundings] if surroundings == "-O" else []
     if surroundings == "de_DE":
@@ -158,7 +158,7 @@ def test_every_mistake_is_the_same_in_other_surroundings(surroundings: str, tmp_
         environment |= {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
     done = subprocess.run(
         [sys.executable, *options, "-c", IN_ONE_PROCESS],
-        input=repr(every),
+        input=repr(mistakes),
         capture_output=True,
         text=True,
         check=False,
@@ -168,4 +168,4 @@ def test_every_mistake_is_the_same_in_other_surroundings(surroundings: str, tmp_
     )
     assert done.stdout == ""
     assert "Traceback" not in done.stderr
-    assert [line for line in done.stderr.splitlines() if line.isdigit()] == ["2"] * len(every), done.stderr
+    assert [line for line in done.stderr.splitlines() if line.isdigit()] == ["2"] * len(mistakes), done.stderr

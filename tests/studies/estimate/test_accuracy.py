@@ -21,8 +21,8 @@ pytestmark = pytest.mark.numerics
 
 def test_the_noisy_recording_is_estimated_as_well_as_promised(noisy: xr.Dataset) -> None:
     bounds = {"high_gain": 0.02, "high_gain_3": 0.02, "sliding_mode": 0.025, "adaptive_sliding_mode": 0.03}
-    found = rmse(noisy, "activation")
-    assert all(found[name] < bound for name, bound in bounds.items()), found
+    errors = rmse(noisy, "activation")
+    assert all(errors[name] < bound for name, bound in bounds.items()), errors
     assert max(rmse(noisy, "velocity").values()) < 0.006
     assert max(rmse(noisy, "fibre_length").values()) < 2e-4
     assert not noisy.velocity_limited.any()
@@ -71,25 +71,25 @@ def activation(
 
 
 def test_a_clean_recording_of_unlike_muscles_is_estimated_as_well_as_promised(unlike: tuple[Path, Path]) -> None:
-    found = estimate(*unlike, ALL_OBSERVERS)
-    assert np.ptp(found.true_activation.values) > 0.15
-    assert np.ptp(found.true_velocity.values) > 0.08
-    assert max(rmse(found, "activation").values()) < 0.003, rmse(found, "activation")
-    velocity = rmse(found, "velocity")
+    estimates = estimate(*unlike, ALL_OBSERVERS)
+    assert np.ptp(estimates.true_activation.values) > 0.15
+    assert np.ptp(estimates.true_velocity.values) > 0.08
+    assert max(rmse(estimates, "activation").values()) < 0.003, rmse(estimates, "activation")
+    velocity = rmse(estimates, "velocity")
     assert velocity["high_gain"] < 5e-5
     assert velocity["sliding_mode"] < 1.5e-3
     assert velocity["adaptive_sliding_mode"] < 3e-3
-    assert max(rmse(found, "tendon_length").values()) < 2e-5
+    assert max(rmse(estimates, "tendon_length").values()) < 2e-5
     # û of order 3 has no lag of first order
-    assert rmse(found, "activation")["high_gain_3"] < rmse(found, "activation")["high_gain"] / 5
-    assert not found.activation_limited.isel(time=slice(1000, None)).any()
+    assert rmse(estimates, "activation")["high_gain_3"] < rmse(estimates, "activation")["high_gain"] / 5
+    assert not estimates.activation_limited.isel(time=slice(1000, None)).any()
 
 
 def test_samples_may_come_unevenly(noisy: xr.Dataset) -> None:
     """Two of seven missing, steps of 5, 10 and 15 ms: stable, and hardly worse."""
     whole = read_recording(SHIPPED)
     which = np.flatnonzero(~np.isin(np.arange(len(whole)) % 14, (2, 5, 6, 10)))
-    found = estimate(part(whole, which, true={k: v[which] for k, v in whole.true.items()}), MUSCLES, ALL_OBSERVERS)
-    for name, error in rmse(found, "activation").items():
+    estimates = estimate(part(whole, which, true={k: v[which] for k, v in whole.true.items()}), MUSCLES, ALL_OBSERVERS)
+    for name, error in rmse(estimates, "activation").items():
         assert error < 1.3 * rmse(noisy, "activation")[name], name
-    assert "some after 15 ms" in next(notes(found))
+    assert "some after 15 ms" in next(notes(estimates))

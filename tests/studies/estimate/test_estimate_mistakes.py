@@ -56,8 +56,8 @@ def test_mistakes_on_the_command_line_are_one_sentence(
 ) -> None:
     inputs = {"time": "s", "position": "m", "force_1": "N", "force_2": "N"}
     write_csv(Path("short.csv"), [Series(name, unit, getattr(short, name)) for name, unit in inputs.items()])
-    found, _, err = command("estimate", "short.csv", "--no-figures", *arguments)
-    assert found == code
+    exit_code, _, err = command("estimate", "short.csv", "--no-figures", *arguments)
+    assert exit_code == code
     assert err.startswith(f"hillobs: {sentence}")
     assert err.count("\n") == 1
     # what failed is written all the same, and nothing else is

@@ -16,8 +16,8 @@ pytestmark = pytest.mark.numerics
 
 
 def test_gains_by_hand_come_before_the_rule(noisy: xr.Dataset, short: Recording) -> None:
-    found = estimate(short, MUSCLES, ["high_gain", "sliding_mode"], changes={"high_gain.eps_h": 0.3})
-    gains = json.loads(found.attrs["gains"])
+    estimates = estimate(short, MUSCLES, ["high_gain", "sliding_mode"], changes={"high_gain.eps_h": 0.3})
+    gains = json.loads(estimates.attrs["gains"])
     rule = json.loads(estimate(short, MUSCLES).attrs["gains"])
     assert gains["high_gain"] == {**rule["high_gain"], "high_gain.eps_h": 0.3}
     assert gains["sliding_mode"] == rule["sliding_mode"]

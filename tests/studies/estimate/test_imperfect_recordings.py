@@ -23,15 +23,17 @@ pytestmark = pytest.mark.numerics
 def test_short_gaps_are_bridged_and_told(short: Recording) -> None:
     force = short.force_1.copy()
     force[100:110] = np.nan
-    found = estimate(dataclasses.replace(short, force_1=force), MUSCLES, ALL_OBSERVERS)
-    assert np.flatnonzero(found.bridged).tolist() == list(range(100, 110))
-    np.testing.assert_allclose(found.force[100:110, 0], np.interp(np.arange(10), [-1, 10], short.force_1[[99, 110]]))
-    told = list(notes(found))
+    estimates = estimate(dataclasses.replace(short, force_1=force), MUSCLES, ALL_OBSERVERS)
+    assert np.flatnonzero(estimates.bridged).tolist() == list(range(100, 110))
+    np.testing.assert_allclose(
+        estimates.force[100:110, 0], np.interp(np.arange(10), [-1, 10], short.force_1[[99, 110]])
+    )
+    told = list(notes(estimates))
     assert "gaps bridged by straight lines from 0.5 to 0.545 s" in told
     assert "force_1 has no value in 10 of 300 rows: 102–111" in told
     # the bridge is what a straight line would have been
-    straight = dataclasses.replace(short, force_1=found.force[:, 0].values)
-    np.testing.assert_array_equal(estimate(straight, MUSCLES, ALL_OBSERVERS).activation_hat, found.activation_hat)
+    straight = dataclasses.replace(short, force_1=estimates.force[:, 0].values)
+    np.testing.assert_array_equal(estimate(straight, MUSCLES, ALL_OBSERVERS).activation_hat, estimates.activation_hat)
 
 
 @pytest.mark.parametrize(
@@ -82,30 +84,30 @@ def test_missing_rows_and_slow_sampling_are_refused(short: Recording) -> None:
     # slower muscles, rarer samples
     pair = read_muscles(MUSCLES)
     muscle = dataclasses.replace(pair.muscle1, v_max=0.5)
-    found = estimate(slow, dataclasses.replace(pair, muscle1=muscle, muscle2=muscle, mass=8000.0), ALL_OBSERVERS)
-    assert np.isfinite(found.activation_hat).all()
+    estimates = estimate(slow, dataclasses.replace(pair, muscle1=muscle, muscle2=muscle, mass=8000.0), ALL_OBSERVERS)
+    assert np.isfinite(estimates.activation_hat).all()
 
 
 def test_one_row_is_too_few_and_two_will_do(short: Recording) -> None:
     assert refusal(part(short, slice(0, 1))) == "has one row of numbers; observers need two or more"
     for n in (2, 3, 49, 50, 51):
-        found = estimate(part(short, slice(0, n)), MUSCLES, ALL_OBSERVERS)
-        assert found.sizes == {"observer": 4, "time": n, "muscle": 2}
-        assert np.isfinite(found.activation_hat).all()
-        assert not scores(found)
-        assert len(list(notes(found))) >= 5
+        estimates = estimate(part(short, slice(0, n)), MUSCLES, ALL_OBSERVERS)
+        assert estimates.sizes == {"observer": 4, "time": n, "muscle": 2}
+        assert np.isfinite(estimates.activation_hat).all()
+        assert not scores(estimates)
+        assert len(list(notes(estimates))) >= 5
 
 
 def test_slack_and_limits_are_told(short: Recording) -> None:
     force = short.force_2.copy()
     force[120:160] = -0.5
-    found = estimate(dataclasses.replace(short, force_2=force), MUSCLES, "high_gain")
-    assert np.flatnonzero(found.slack.sel(muscle=2)).tolist() == list(range(120, 160))
-    assert not found.slack.sel(muscle=1).any()
-    told = "\n".join(notes(found))
+    estimates = estimate(dataclasses.replace(short, force_2=force), MUSCLES, "high_gain")
+    assert np.flatnonzero(estimates.slack.sel(muscle=2)).tolist() == list(range(120, 160))
+    assert not estimates.slack.sel(muscle=1).any()
+    told = "\n".join(notes(estimates))
     assert "tendon 2 carries no force from 0.6 to 0.795 s" in told
     assert "activation 2 would be below 0 or above 1" in told
-    assert ((found.activation_hat >= 0) & (found.activation_hat <= 1)).all()
+    assert ((estimates.activation_hat >= 0) & (estimates.activation_hat <= 1)).all()
 
 
 @pytest.mark.parametrize("mirrored", [False, True])
@@ -140,11 +142,11 @@ def test_whatever_was_recorded_there_is_a_result_or_one_sentence(
     recording = Recording("any.csv", np.cumsum(steps), position, force_1, force_2, {}, np.arange(len(rows)) + 2)
     told = ""
     try:
-        found = estimate(recording, MUSCLES, ALL_OBSERVERS)
-        assert len(list(notes(found))) >= 5
-        a = found.activation_hat.values
+        estimates = estimate(recording, MUSCLES, ALL_OBSERVERS)
+        assert len(list(notes(estimates))) >= 5
+        a = estimates.activation_hat.values
         assert (np.isnan(a) | ((a >= 0) & (a <= 1))).all()
-        assert np.isnan(a).any() <= bool(list(failures(found)))
+        assert np.isnan(a).any() <= bool(list(failures(estimates)))
     except RecordingError as error:
         told = str(error)
     assert not told or told.startswith("any.csv: ")

@@ -22,19 +22,19 @@ def test_a_users_own_observer_follows_a_recording(short: Recording) -> None:
     mine = double_pole("mine")
     # as fast as this both take one step from sample to sample, 0.05 in τ
     by_hand = {"mine.rate": 10, "high_gain.eps_h": 0.1, "high_gain.eps_L": 0.1}
-    found = estimate(short, MUSCLES, ["high_gain", mine], changes=by_hand)
-    assert json.loads(found.attrs["substeps"]) == {"high_gain": 1, "mine": 1}
+    estimates = estimate(short, MUSCLES, ["high_gain", mine], changes=by_hand)
+    assert json.loads(estimates.attrs["substeps"]) == {"high_gain": 1, "mine": 1}
     for name in ("position", "velocity", "fibre_length", "fibre_velocity", "activation"):
-        ours, own = (found[f"{name}_hat"].sel(observer=observer).values for observer in ("high_gain", "mine"))
-        np.testing.assert_allclose(own, ours, rtol=1e-9, atol=1e-10)
-    assert next(line for line in notes(found) if line.startswith("mine")).endswith("sample; rate = 10")
+        ours, theirs = (estimates[f"{name}_hat"].sel(observer=observer).values for observer in ("high_gain", "mine"))
+        np.testing.assert_allclose(theirs, ours, rtol=1e-9, atol=1e-10)
+    assert next(line for line in notes(estimates) if line.startswith("mine")).endswith("sample; rate = 10")
 
 
 def test_a_users_own_observer_has_its_defaults_and_steps_of_its_eigenvalues(short: Recording) -> None:
     mine = double_pole("mine")
-    found = estimate(short, MUSCLES, mine)
-    assert json.loads(found.attrs["gains"]) == {"mine": {}}
-    assert "mine: 1 step from sample to sample" in list(notes(found))
+    estimates = estimate(short, MUSCLES, mine)
+    assert json.loads(estimates.attrs["gains"]) == {"mine": {}}
+    assert "mine: 1 step from sample to sample" in list(notes(estimates))
     # its triple pole, 0.05 · rate/2.5
     fast = estimate(short, MUSCLES, mine, changes={"mine.rate": 200.0})
     assert json.loads(fast.attrs["substeps"]) == {"mine": 5}
@@ -47,9 +47,9 @@ def test_a_users_own_observer_has_its_defaults_and_steps_of_its_eigenvalues(shor
 def test_an_observer_that_estimates_activations_itself_has_no_limits(short: Recording) -> None:
     plain = double_pole("mine")
     a = Symbols(a1_hat=ca.SX(0.25), a2_hat=ca.SX(0.5))
-    found = estimate(short, MUSCLES, dataclasses.replace(plain, y=Symbols({**plain.y, **a})))
-    assert (found.activation_hat == [0.25, 0.5]).all()
-    assert not found.activation_limited.any()
+    estimates = estimate(short, MUSCLES, dataclasses.replace(plain, y=Symbols({**plain.y, **a})))
+    assert (estimates.activation_hat == [0.25, 0.5]).all()
+    assert not estimates.activation_limited.any()
 
 
 @pytest.mark.parametrize("name", ["high_gain", "plant", "initial", "muscle1", "lengths", "tendons"])

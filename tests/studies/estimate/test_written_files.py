@@ -43,15 +43,15 @@ def test_what_is_written_is_read_back(noisy: xr.Dataset, command: Callable[..., 
     for name in ALL_OBSERVERS:
         units = {q: noisy[f"{q.rstrip('_12')}_hat"].attrs["units"] for q in (*plain, "position")}
         labels = {q: f"{name}.{q}_hat" + (f" [{unit}]" if unit != "1" else "") for q, unit in units.items()}
-        for found in (
+        for recording in (
             read_recording(folder / "estimates.csv", labels),
             read_recording(folder / f"estimates-{name}.sto"),
         ):
-            assert found.time.tobytes() == noisy.time.values.tobytes()
-            assert found.position.tobytes() == noisy.position_hat.sel(observer=name).values.tobytes()
-            assert found.force_1.tobytes() == noisy.force.sel(muscle=1).values.tobytes()
-            assert set(found.true) == plain
-            for quantity, values in found.true.items():
+            assert recording.time.tobytes() == noisy.time.values.tobytes()
+            assert recording.position.tobytes() == noisy.position_hat.sel(observer=name).values.tobytes()
+            assert recording.force_1.tobytes() == noisy.force.sel(muscle=1).values.tobytes()
+            assert set(recording.true) == plain
+            for quantity, values in recording.true.items():
                 of = noisy[f"{quantity.rstrip('_12')}_hat"].sel(observer=name)
                 of = of.sel(muscle=int(quantity[-1])) if quantity[-1] in "12" else of
                 assert values.tobytes() == of.values.tobytes(), quantity
@@ -117,14 +117,14 @@ def test_what_an_earlier_run_has_left_does_not_pass_for_the_new_result(
     save_estimates(noisy, scores(noisy), tmp_path)
     assert (tmp_path / "scores.csv").exists()
     assert (tmp_path / "estimates-sliding_mode.sto").exists()
-    found = estimate(short, MUSCLES, ["high_gain", "high_gain_3"])
-    written = save_estimates(found, scores(found), tmp_path)
+    estimates = estimate(short, MUSCLES, ["high_gain", "high_gain_3"])
+    written = save_estimates(estimates, scores(estimates), tmp_path)
     names = {"estimates.nc", "estimates.csv", "estimates-high_gain.sto", "estimates-high_gain_3.sto"}
     assert {path.name for path in written} == names
     assert {path.name for path in tmp_path.iterdir()} == {*names, *users, "estimates-folder.sto"}
-    save_estimates(found.sel(observer=["high_gain"]), [], tmp_path)
+    save_estimates(estimates.sel(observer=["high_gain"]), [], tmp_path)
     assert not (tmp_path / "estimates-high_gain.sto").exists()
     # scores that we have not written stay
     (tmp_path / "scores.csv").write_text("observer,points\n")
-    save_estimates(found, [], tmp_path)
+    save_estimates(estimates, [], tmp_path)
     assert {path.name for path in tmp_path.iterdir()} == {*names, *users, "estimates-folder.sto", "scores.csv"}

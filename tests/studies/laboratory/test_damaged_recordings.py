@@ -23,11 +23,11 @@ def test_the_corpus_is_refused_or_read_as_expected(name: str) -> None:
     path = REFUSED / name
     before = path.read_bytes()
     try:
-        found = read_recording(path)
+        recording = read_recording(path)
     except RecordingError as error:
         told = str(error).removeprefix(f"{path}: ")
     else:
-        told = json.dumps(numbers(found)[-1].tolist())
+        told = json.dumps(numbers(recording)[-1].tolist())
     assert told == EXPECTED[name]
     assert path.read_bytes() == before
 
@@ -50,9 +50,9 @@ def test_any_damage_is_a_recording_or_one_sentence(folder: Path, data: st.DataOb
     path.write_bytes(raw)
     told = ""
     try:
-        found = read_recording(path)
-        assert (np.diff(found.time) > 0).all()
-        assert not np.isinf(numbers(found)).any()
+        recording = read_recording(path)
+        assert (np.diff(recording.time) > 0).all()
+        assert not np.isinf(numbers(recording)).any()
     except RecordingError as error:
         told = str(error)
     assert not told or told.startswith(f"{path}: ")

@@ -33,15 +33,15 @@ def test_reading_a_long_file_tells_its_progress_and_takes_little_more_than_its_n
     monkeypatch.setattr(lines, "_BLOCK", 50_000)
     done: list[float] = []
     tracemalloc.start()
-    found = read_recording(path, progress=done.append)
+    recording = read_recording(path, progress=done.append)
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
-    assert numbers(found).tobytes() == values.tobytes()
-    assert found.rows.tolist() == list(range(2, len(values) + 2))
+    assert numbers(recording).tobytes() == values.tobytes()
+    assert recording.rows.tolist() == list(range(2, len(values) + 2))
     assert (done[-1], done) == (1.0, sorted(done))
     assert len(done) > 20
     # the blocks' numbers, the columns made of them, and a few blocks as text
-    assert peak < 2 * (values.nbytes + found.rows.nbytes) + 20 * 50_000
+    assert peak < 2 * (values.nbytes + recording.rows.nbytes) + 20 * 50_000
 
 
 def test_more_numbers_than_memory_should_hold_are_refused_before_they_are_kept(

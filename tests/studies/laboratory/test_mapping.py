@@ -11,8 +11,8 @@ from written_recording import HEAD, TABLE, numbers, reading, refusal
 
 def test_a_simulation_of_ours_is_a_recording_without_units(folder: Path) -> None:
     text = "# units: 1,1,1,1,1\nt,x1,y2,high_gain.x1_hat,y3\n0,2.6,0.1,2.62,0.2\n"
-    found = reading(folder, text, mapping={"time": "t", "position": "x1", "force_1": "y2", "force_2": "y3[N]"})
-    assert numbers(found).tolist() == [[0, 2.6, 0.1, 0.2]]
+    recording = reading(folder, text, mapping={"time": "t", "position": "x1", "force_1": "y2", "force_2": "y3[N]"})
+    assert numbers(recording).tolist() == [[0, 2.6, 0.1, 0.2]]
 
 
 def test_a_mapping_names_columns_and_units(folder: Path) -> None:

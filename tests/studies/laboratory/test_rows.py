@@ -89,11 +89,11 @@ def test_repeated_rows_are_left_out_and_gaps_kept(folder: Path) -> None:
     for size in (8, 16, 30, 1000):
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(lines, "_BLOCK", size)
-            found = reading(folder, text)
-        assert found.time.tolist() == [0, 0.5, 2]
-        assert found.rows.tolist() == [2, 5, 7]
-        assert found.repeated.tolist() == [3, 4, 6]
-        assert found.notes() == [
+            recording = reading(folder, text)
+        assert recording.time.tolist() == [0, 0.5, 2]
+        assert recording.rows.tolist() == [2, 5, 7]
+        assert recording.repeated.tolist() == [3, 4, 6]
+        assert recording.notes() == [
             "rows that repeat the one before are left out: 3–4, 6",
             "position has no value in 1 of 3 rows: 5",
             "force_1 has no value in 1 of 3 rows: 7",

@@ -60,9 +60,9 @@ def test_what_pandas_writes_is_read(folder: Path) -> None:
     frame["trial"] = ["a", "b,c", "", "ü"]
     for options in ({}, {"index": False}, {"sep": ";", "decimal": ","}, {"quoting": 1}, {"na_rep": "NaN"}):
         frame.to_csv(folder / "pandas.csv", **options)
-        found = read_recording(folder / "pandas.csv")
-        assert np.array_equal(numbers(found), frame[HEAD.split(",")].to_numpy(float), equal_nan=True)
-    assert found.notes() == ["position has no value in 1 of 4 rows: 3"]
+        recording = read_recording(folder / "pandas.csv")
+        assert np.array_equal(numbers(recording), frame[HEAD.split(",")].to_numpy(float), equal_nan=True)
+    assert recording.notes() == ["position has no value in 1 of 4 rows: 3"]
 
 
 @given(st.permutations([*HEAD.split(","), "velocity", "note"]))
@@ -70,9 +70,9 @@ def test_the_order_of_columns_does_not_matter(folder: Path, order: list[str]) ->
     cells = {"time": ["0", "1"], "position": ["2", ""], "force_1": ["4", "5"], "force_2": ["6", "7"]}
     cells |= {"velocity": ["8", "9"], "note": ["10", "11"]}
     rows = [",".join(order), *(",".join(cells[name][row] for name in order) for row in (0, 1))]
-    found = reading(folder, "\n".join(rows) + "\n")
-    want = np.array([[0, 2, 4, 6, 8], [1, np.nan, 5, 7, 9]])
-    assert np.array_equal(numbers(found), want, equal_nan=True)
+    recording = reading(folder, "\n".join(rows) + "\n")
+    expected = np.array([[0, 2, 4, 6, 8], [1, np.nan, 5, 7, 9]])
+    assert np.array_equal(numbers(recording), expected, equal_nan=True)
 
 
 @given(st.integers(1, 12), st.lists(st.floats(allow_infinity=False), min_size=36, max_size=36))

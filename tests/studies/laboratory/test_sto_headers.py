@@ -22,9 +22,9 @@ def test_a_wrong_sto_header_is_a_sentence(head: str, sentence: str, folder: Path
 
 def test_an_sto_header_that_lies_is_a_remark(folder: Path) -> None:
     head = "n\nversion=1\nnRows=99999999999\nnColumns=3\nendheader\n"
-    found = reading(folder, head + TABLE.replace(",", "\t"), "x.sto")
-    assert found.notes() == [
+    recording = reading(folder, head + TABLE.replace(",", "\t"), "x.sto")
+    assert recording.notes() == [
         "the header says nColumns=3, there are 4",
         "the header says nRows=99999999999, there are 3",
     ]
-    assert len(found) == 3
+    assert len(recording) == 3

@@ -40,8 +40,12 @@ def test_shared_numbers_follow_until_they_are_untied() -> None:
     assert (untied["high_gain.m"], untied["sliding_mode.m"], untied["controller.m"]) == (1.5, 2.0, 2.0)
     # a later layer's shared value does not tie again
     assert values({"high_gain": {"m": 1.5}}, **{"plant.m": 3.0})["high_gain.m"] == 1.5
-    own = values({"high_gain": {"muscle": {"k": 15.0}}, "muscle1": {"k": 17.0}})
-    assert (own["high_gain.muscle1.k"], own["sliding_mode.muscle1.k"], own["muscle2.k"]) == (15.0, 17.0, 19.2308)
+    muscles = values({"high_gain": {"muscle": {"k": 15.0}}, "muscle1": {"k": 17.0}})
+    assert (muscles["high_gain.muscle1.k"], muscles["sliding_mode.muscle1.k"], muscles["muscle2.k"]) == (
+        15.0,
+        17.0,
+        19.2308,
+    )
     assert values({"uncertainty": {"offset": 0.02}})["baseline.Delta"] == 0.02
 
 

@@ -14,7 +14,7 @@ from hillobs.studies.simulate.files import save
 from hillobs.studies.simulate.run import simulate
 
 
-def own(name: str = "mine", default: float = 20.0, state: str = "", **outputs: float) -> Block:
+def own_observer(name: str = "mine", default: float = 20.0, state: str = "", **outputs: float) -> Block:
     """A user's observer that stands still, with one parameter and perhaps a state of its own."""
     x = symbols([*ESTIMATES, *([state] if state else [])])
     parameters = {"gain": Parameter(default, "a gain", "this test", above=0)}
@@ -32,25 +32,25 @@ BRIEF = {"duration": 0.05, "score.start": 0.0}
 @pytest.mark.parametrize("name", ["a__b", "a_", "seed", "activation", "baseline", "plant", "muscle"])
 def test_a_name_that_cannot_be_is_a_sentence(name: str) -> None:
     """A block whose name the code generator or the table of paths cannot take is refused, or it runs."""
-    if sentence := refusal(lambda: simulate("paper-clean", [own(name)], BRIEF)):
+    if sentence := refusal(lambda: simulate("paper-clean", [own_observer(name)], BRIEF)):
         assert name in sentence
         return
-    run = simulate("paper-clean", [own(name)], BRIEF)
+    run = simulate("paper-clean", [own_observer(name)], BRIEF)
     assert json.loads(run.attrs["parameters"])[f"{name}.gain"] == 20.0
 
 
 @pytest.mark.parametrize(("name", "state"), [("x", "hat"), ("mine", "a/b"), ("mine", "a\0b")])
 def test_a_state_of_ones_own_hides_nothing_and_can_be_written(name: str, state: str, tmp_path: Path) -> None:
-    if sentence := refusal(lambda: save(simulate("paper-clean", [own(name, state=state)], BRIEF), tmp_path)):
+    if sentence := refusal(lambda: save(simulate("paper-clean", [own_observer(name, state=state)], BRIEF), tmp_path)):
         assert repr(state)[1:-1] in sentence
         return
-    run = simulate("paper-clean", [own(name, state=state)], BRIEF)
+    run = simulate("paper-clean", [own_observer(name, state=state)], BRIEF)
     assert run.x_hat.dims == ("observer", "time", "state")
     assert run.u_hat.dims == ("observer", "time", "muscle")
 
 
 def test_two_states_of_two_observers_do_not_share_a_variable() -> None:
-    two = [own("a", state="b_c"), own("a_b", state="c")]
+    two = [own_observer("a", state="b_c"), own_observer("a_b", state="c")]
     if sentence := refusal(lambda: simulate("paper-clean", two, BRIEF)):
         assert "a_b" in sentence
         return
@@ -59,21 +59,21 @@ def test_two_states_of_two_observers_do_not_share_a_variable() -> None:
 
 
 def test_one_activation_of_ones_own_is_kept_or_refused() -> None:
-    if sentence := refusal(lambda: simulate("paper-clean", [own(a1_hat=0.123)], BRIEF)):
+    if sentence := refusal(lambda: simulate("paper-clean", [own_observer(a1_hat=0.123)], BRIEF)):
         assert "a2_hat" in sentence
         return
-    run = simulate("paper-clean", [own(a1_hat=0.123)], BRIEF)
+    run = simulate("paper-clean", [own_observer(a1_hat=0.123)], BRIEF)
     assert (run.a_hat.sel(muscle=1) == 0.123).all()
 
 
 @pytest.mark.parametrize("default", [float("nan"), -1.0])
 def test_a_default_out_of_its_own_bounds_is_refused(default: float) -> None:
     with pytest.raises((ScenarioError, BlockError), match="gain"):
-        simulate("paper-clean", [own(default=default)], BRIEF)
+        simulate("paper-clean", [own_observer(default=default)], BRIEF)
 
 
 def test_an_observer_that_leaves_its_own_domain_is_named() -> None:
-    block = own()
+    block = own_observer()
     failing = replace(block, domain=Symbols(room=2.2 - block.x.x1_hat))
     run = simulate("paper-clean", [failing], BRIEF)
     assert json.loads(run.attrs["failures"])["mine"].startswith("mine: room, which must stay positive, is not at τ = ")
@@ -81,7 +81,7 @@ def test_an_observer_that_leaves_its_own_domain_is_named() -> None:
 
 def test_a_held_input_is_held() -> None:
     """The same observer with y1 held over a step must not be the one that sees it move."""
-    both = [own(), replace(own(), name="holding", held=frozenset(["y1"]))]
+    both = [own_observer(), replace(own_observer(), name="holding", held=frozenset(["y1"]))]
     run = simulate("paper-clean", both, {**BRIEF, "mine.gain": 200.0, "holding.gain": 200.0}).x_hat.sel(state="x1")
     assert 0 < abs(run.sel(observer="mine") - run.sel(observer="holding")).max() < 1e-4
 
