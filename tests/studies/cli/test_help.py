@@ -1,0 +1,59 @@
+"""What the command line says of itself: help, completion, lists, scenarios, version; quickly."""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from command_line import in_a_process
+
+
+def test_alone_it_shows_its_help(command) -> None:
+    assert command() == command("--help")
+    code, out, err = command()
+    assert (code, err) == (0, "")
+    assert out.count("\n") > 10
+    for name in ("simulate", "sweep", "estimate", "observability"):
+        assert re.search(rf"^  {name} +\S", out, re.MULTILINE)
+
+
+COMPLETED = {
+    "hillobs sim": {"simulate"},
+    "hillobs simulate sla": {"slack", "slack-deep", "sla"},
+    "hillobs show act": {"activation", "act"},
+    "hillobs simulate --observer s": {"sliding_mode"},
+    "hillobs simulate --set high_gain.eps": {"high_gain.eps_h=", "high_gain.eps_L="},
+    "hillobs simulate --set muscle.curves=m": {"muscle.curves=millard2012"},
+    "hillobs sweep --over noise.": {"noise.x1=", "noise.force=", "noise.drift=", "noise.period="},
+}
+
+
+@pytest.mark.parametrize("words", COMPLETED)
+def test_a_shell_completes(words: str) -> None:
+    asked = {"_HILLOBS_COMPLETE": "bash_complete", "COMP_WORDS": words, "COMP_CWORD": str(words.count(" "))}
+    done = subprocess.run(
+        [Path(sys.executable).parent / "hillobs"], capture_output=True, text=True, check=True, env=os.environ | asked
+    )
+    assert {line.partition(",")[2] for line in done.stdout.splitlines()} == COMPLETED[words]
+
+
+def test_show_list_info_and_version_speak(command) -> None:
+    code, out, _ = command("show", "challenge")
+    assert code == 0
+    assert "k_c = 5.0  # gain of the pretension" in out
+    code, out, _ = command("list")
+    assert code == 0
+    assert all(word in out for word in ("slack-deep", "adaptive_sliding_mode", "nguyen2019", "high_gain.eps_h"))
+    code, out, _ = command("info")
+    assert code == 0
+    assert "compiler" in out
+    assert command("--version")[1].startswith("hillobs, version ")
+
+
+def test_help_is_quick_because_heavy_modules_wait() -> None:
+    heavy = "('casadi', 'matplotlib', 'xarray')"
+    code = f"import sys, hillobs.studies.cli.main; print([m for m in {heavy} if m in sys.modules])"
+    assert in_a_process("-c", code).stdout == "[]\n"

@@ -1,0 +1,39 @@
+"""The shipped noisy recording, parts of it and the errors of its estimates; the file of two unlike muscles."""
+
+import dataclasses
+
+import xarray as xr
+
+from hillobs.studies.estimate.scores import scores
+from hillobs.studies.laboratory.recording import Recording
+from places import RECORDINGS
+
+SHIPPED, MUSCLES = RECORDINGS / "dgf_smooth_noisy.csv.gz", RECORDINGS / "dgf_smooth.toml"
+ALL_OBSERVERS = ["high_gain", "high_gain_3", "sliding_mode", "adaptive_sliding_mode"]
+
+UNLIKE_MUSCLES = """
+mass = 12.0
+C = 0.5
+[muscle1]
+curves = "degroote_fregly2016"
+F_max = 1500.0
+optimal_fibre_length = 0.08
+tendon_slack_length = 0.16
+v_max = 8.0
+[muscle2]
+curves = "thelen2003"
+F_max = 900.0
+optimal_fibre_length = 0.1
+tendon_slack_length = 0.15
+v_max = 10.0
+damping = 0.1
+"""
+
+
+def part(whole: Recording, which: object, **changes: object) -> Recording:
+    cut = {name: getattr(whole, name)[which] for name in ("time", "position", "force_1", "force_2", "rows")}
+    return dataclasses.replace(whole, **{**cut, "true": {}, **changes})
+
+
+def rmse(dataset: xr.Dataset, quantity: str) -> dict[str, float]:
+    return {s.observer: s.rmse for s in scores(dataset) if s.quantity == quantity and s.muscle in ("", "both")}

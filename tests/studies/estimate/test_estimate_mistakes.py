@@ -1,0 +1,64 @@
+"""A user's mistake is one sentence, in Python and on the command line."""
+
+import dataclasses
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from hillobs.observers import PAPER
+from hillobs.studies.estimate.run import estimate
+from hillobs.studies.files.errors import ScenarioError
+from hillobs.studies.files.tables import Series, write_csv
+from hillobs.studies.laboratory.recording import Recording
+from shipped_recording import MUSCLES
+
+pytestmark = pytest.mark.numerics
+
+
+def test_what_cannot_be_is_a_sentence(short: Recording) -> None:
+    with pytest.raises(ScenarioError, match=r"unknown observer 'kalman'; there are high_gain, sliding_mode, adaptive"):
+        estimate(short, MUSCLES, ["high_gain", "kalman"])
+    with pytest.raises(ScenarioError, match="keep_every must be at least 1, not 0"):
+        estimate(short, MUSCLES, keep_every=0)
+    many = dataclasses.replace(short, time=np.broadcast_to(0.0, 10**7))
+    with pytest.raises(ScenarioError, match=r"10,000,000 samples make .* keep every 6th \(--every 6\) or fewer"):
+        estimate(many, MUSCLES)
+    assert estimate(short, MUSCLES).observer.values.tolist() == list(PAPER)
+    assert estimate(short, MUSCLES, ["high_gain", "high_gain"]).sizes["observer"] == 1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "sentence"),
+    [
+        ((), 2, "Missing option '--muscles'."),
+        (("--muscles", "nowhere.toml"), 2, "nowhere.toml: cannot be read: No such file or directory"),
+        (("--muscles", "short.csv"), 2, "short.csv: not valid TOML"),
+        (("--muscles", str(MUSCLES), "--observer", "kalman"), 2, "unknown observer 'kalman'"),
+        (("--muscles", str(MUSCLES), "--every", "1.5"), 2, "--every must be a whole number of at least 1, not '1.5'"),
+        (("--muscles", str(MUSCLES), "--set", "high_gain.eps_h=fast"), 2, "high_gain.eps_h must be a number"),
+        (("--muscles", str(MUSCLES), "--map", "position=x"), 2, "short.csv: position is mapped to 'x', which is not"),
+        (
+            ("--muscles", str(MUSCLES), "--map", "position=force_1"),
+            2,
+            "short.csv: column 'force_1 [N]': N is the unit of a force",
+        ),
+        (("--muscles", str(MUSCLES), "--map", "position=position[mm]"), 2, "short.csv: column 'position [m]'"),
+        (("--muscles", str(MUSCLES), "--out", "short.csv"), 2, "short.csv cannot be written to: it is not a folder"),
+        # unstable whatever the step
+        (("--muscles", str(MUSCLES), "--set", "high_gain.h11=-300"), 1, "high_gain: its numbers end at 0.045 s"),
+        (("--muscles", str(MUSCLES), "--set", "high_gain.h12=-1e9"), 2, "the gains of high_gain are too fast"),
+    ],
+)
+def test_mistakes_on_the_command_line_are_one_sentence(
+    arguments: tuple[str, ...], code: int, sentence: str, short: Recording, command: Callable[..., tuple[int, str, str]]
+) -> None:
+    inputs = {"time": "s", "position": "m", "force_1": "N", "force_2": "N"}
+    write_csv(Path("short.csv"), [Series(name, unit, getattr(short, name)) for name, unit in inputs.items()])
+    exit_code, _, err = command("estimate", "short.csv", "--no-figures", *arguments)
+    assert exit_code == code
+    assert err.startswith(f"hillobs: {sentence}")
+    assert err.count("\n") == 1
+    # what failed is written all the same, and nothing else is
+    assert Path("estimates", "estimates.nc").exists() == (code == 1)

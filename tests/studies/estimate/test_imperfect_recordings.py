@@ -1,0 +1,153 @@
+"""What a recording lacks is bridged and told, or refused in one sentence; no recording gives anything else."""
+
+import dataclasses
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from hillobs.studies.cli.reports.estimate import failures, notes
+from hillobs.studies.estimate.run import estimate
+from hillobs.studies.estimate.scores import scores
+from hillobs.studies.files.errors import RecordingError
+from hillobs.studies.laboratory.muscles import MusclePair, read_muscles
+from hillobs.studies.laboratory.recording import Recording, read_recording
+from shipped_recording import ALL_OBSERVERS, MUSCLES, SHIPPED, part
+
+pytestmark = pytest.mark.numerics
+
+
+def test_short_gaps_are_bridged_and_told(short: Recording) -> None:
+    force = short.force_1.copy()
+    force[100:110] = np.nan
+    estimates = estimate(dataclasses.replace(short, force_1=force), MUSCLES, ALL_OBSERVERS)
+    assert np.flatnonzero(estimates.bridged).tolist() == list(range(100, 110))
+    np.testing.assert_allclose(
+        estimates.force[100:110, 0], np.interp(np.arange(10), [-1, 10], short.force_1[[99, 110]])
+    )
+    told = list(notes(estimates))
+    assert "gaps bridged by straight lines from 0.5 to 0.545 s" in told
+    assert "force_1 has no value in 10 of 300 rows: 102–111" in told
+    # the bridge is what a straight line would have been
+    straight = dataclasses.replace(short, force_1=estimates.force[:, 0].values)
+    np.testing.assert_array_equal(estimate(straight, MUSCLES, ALL_OBSERVERS).activation_hat, estimates.activation_hat)
+
+
+@pytest.mark.parametrize(
+    ("name", "places", "sentence"),
+    [
+        ("position", slice(50, 90), "position has no value in rows 52 to 91, 0.205 s; gaps of up to 0.1 s are bridged"),
+        ("force_2", slice(0, 2), "force_2 has no value in row 2, an end of the recording"),
+        ("force_1", slice(298, 300), "force_1 has no value in row 301, an end of the recording"),
+        ("position", slice(None), "position has no value in row 2, an end of the recording"),
+    ],
+)
+def test_gaps_that_nobody_can_bridge_are_refused(name: str, places: slice, sentence: str, short: Recording) -> None:
+    values = getattr(short, name).copy()
+    values[places] = np.nan
+    assert refusal(dataclasses.replace(short, **{name: values})) == sentence
+
+
+def refusal(recording: Recording, muscles: str | Path | MusclePair = MUSCLES) -> str:
+    with pytest.raises(RecordingError) as caught:
+        estimate(recording, muscles, "high_gain")
+    return str(caught.value).removeprefix(f"{recording.source}: ")
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "sentence"),
+    [
+        ("force_1", -200.0, "row 12: force_1 = -200 N; a tendon only pulls, so forces are positive"),
+        ("force_2", 2e4, "row 12: force_2 = 20000 N; F_max is 1000 N; is it in another unit?"),
+        ("position", 310.0, "row 12: position = 310 m; the mass is between 0 and C = 0.62 m; is it in another unit?"),
+        ("position", -0.1, "row 12: position = -0.1 m; the mass is between 0 and C = 0.62 m"),
+    ],
+)
+def test_what_no_muscle_can_do_is_refused(name: str, value: float, sentence: str, short: Recording) -> None:
+    values = getattr(short, name).copy()
+    values[10:] = value
+    assert refusal(dataclasses.replace(short, **{name: values})) == sentence
+
+
+def test_missing_rows_and_slow_sampling_are_refused(short: Recording) -> None:
+    rows = np.r_[0:100, 130:300]
+    sentence = "there is no sample between rows 101 and 132, 0.155 s; gaps of up to 0.1 s are bridged"
+    assert refusal(part(short, rows)) == sentence
+    slow = dataclasses.replace(short, time=short.time * 20)
+    assert (
+        refusal(slow)
+        == "a sample every 0.1 s is too few for muscles of v_max = 10/s; at most 0.07 s; is time in another unit?"
+    )
+    # slower muscles, rarer samples
+    pair = read_muscles(MUSCLES)
+    muscle = dataclasses.replace(pair.muscle1, v_max=0.5)
+    estimates = estimate(slow, dataclasses.replace(pair, muscle1=muscle, muscle2=muscle, mass=8000.0), ALL_OBSERVERS)
+    assert np.isfinite(estimates.activation_hat).all()
+
+
+def test_one_row_is_too_few_and_two_will_do(short: Recording) -> None:
+    assert refusal(part(short, slice(0, 1))) == "has one row of numbers; observers need two or more"
+    for n in (2, 3, 49, 50, 51):
+        estimates = estimate(part(short, slice(0, n)), MUSCLES, ALL_OBSERVERS)
+        assert estimates.sizes == {"observer": 4, "time": n, "muscle": 2}
+        assert np.isfinite(estimates.activation_hat).all()
+        assert not scores(estimates)
+        assert len(list(notes(estimates))) >= 5
+
+
+def test_slack_and_limits_are_told(short: Recording) -> None:
+    force = short.force_2.copy()
+    force[120:160] = -0.5
+    estimates = estimate(dataclasses.replace(short, force_2=force), MUSCLES, "high_gain")
+    assert np.flatnonzero(estimates.slack.sel(muscle=2)).tolist() == list(range(120, 160))
+    assert not estimates.slack.sel(muscle=1).any()
+    told = "\n".join(notes(estimates))
+    assert "tendon 2 carries no force from 0.6 to 0.795 s" in told
+    assert "activation 2 would be below 0 or above 1" in told
+    assert ((estimates.activation_hat >= 0) & (estimates.activation_hat <= 1)).all()
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_muscles_that_are_swapped_are_suspected(noisy: xr.Dataset, mirrored: bool) -> None:
+    told = "accelerates against the difference of the tendon forces"
+    assert told not in "\n".join(notes(noisy))
+    whole = read_recording(SHIPPED)
+    wrong = {"position": 0.62 - whole.position} if mirrored else {"force_1": whole.force_2, "force_2": whole.force_1}
+    assert told in "\n".join(notes(estimate(part(whole, slice(None), **wrong), MUSCLES, "high_gain")))
+
+
+numbers = st.floats(allow_nan=False, allow_infinity=False, width=64)
+
+
+@settings(max_examples=60)
+@given(
+    st.lists(
+        st.tuples(
+            st.one_of(st.just(0.005), st.floats(1e-9, 0.2)),
+            st.one_of(st.floats(0, 0.62), st.just(float("nan")), numbers),
+            st.one_of(st.floats(0, 2000), st.floats(-200, 1e4), st.just(float("nan")), numbers),
+            st.floats(-150, 10_000),
+        ),
+        min_size=1,
+        max_size=60,
+    )
+)
+def test_whatever_was_recorded_there_is_a_result_or_one_sentence(
+    rows: list[tuple[float, float, float, float]],
+) -> None:
+    steps, position, force_1, force_2 = np.array(rows).T
+    recording = Recording("any.csv", np.cumsum(steps), position, force_1, force_2, {}, np.arange(len(rows)) + 2)
+    told = ""
+    try:
+        estimates = estimate(recording, MUSCLES, ALL_OBSERVERS)
+        assert len(list(notes(estimates))) >= 5
+        a = estimates.activation_hat.values
+        assert (np.isnan(a) | ((a >= 0) & (a <= 1))).all()
+        assert np.isnan(a).any() <= bool(list(failures(estimates)))
+    except RecordingError as error:
+        told = str(error)
+    assert not told or told.startswith("any.csv: ")
+    assert "\n" not in told

@@ -1,0 +1,130 @@
+"""What an estimate writes is read back as it was computed, is the same each time, and leaves nothing stale."""
+
+import hashlib
+import itertools
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+import xarray as xr
+
+from hillobs.studies.estimate.files import save_estimates
+from hillobs.studies.estimate.run import estimate
+from hillobs.studies.estimate.scores import scores
+from hillobs.studies.figures.estimate import estimate_sheet
+from hillobs.studies.files.netcdf import load
+from hillobs.studies.files.tables import Series, write_csv
+from hillobs.studies.laboratory.recording import Recording, read_recording
+from places import DOCS
+from shipped_recording import ALL_OBSERVERS, MUSCLES, SHIPPED
+
+pytestmark = pytest.mark.numerics
+ESTIMATED = ("position", "velocity", "disturbance", "tendon_length", "fibre_length", "fibre_velocity", "activation")
+
+
+def test_what_is_written_is_read_back(noisy: xr.Dataset, command: Callable[..., tuple[int, str, str]]) -> None:
+    before = hashlib.sha256(SHIPPED.read_bytes()).digest()
+    arguments = ["estimate", str(SHIPPED), "--muscles", str(MUSCLES), "--no-figures"]
+    code, out, err = command(*arguments, *itertools.chain(*(("--observer", name) for name in ALL_OBSERVERS)))
+    assert (code, err) == (0, "")
+    assert hashlib.sha256(SHIPPED.read_bytes()).digest() == before
+    folder = Path("estimates")
+    names = [
+        "estimates.csv",
+        "estimates.nc",
+        "scores.csv",
+        *(f"estimates-{name}.sto" for name in ALL_OBSERVERS),
+    ]
+    assert sorted(path.name for path in folder.iterdir()) == sorted(names)
+    assert all(name in out for name in names)
+    read = load(folder / "estimates.nc")
+    xr.testing.assert_identical(read, noisy)
+    plain = {f"{q}_{j}" for q in ESTIMATED[3:] for j in (1, 2)} | {"velocity", "disturbance"}
+    for name in ALL_OBSERVERS:
+        units = {q: noisy[f"{q.rstrip('_12')}_hat"].attrs["units"] for q in (*plain, "position")}
+        labels = {q: f"{name}.{q}_hat" + (f" [{unit}]" if unit != "1" else "") for q, unit in units.items()}
+        for recording in (
+            read_recording(folder / "estimates.csv", labels),
+            read_recording(folder / f"estimates-{name}.sto"),
+        ):
+            assert recording.time.tobytes() == noisy.time.values.tobytes()
+            assert recording.position.tobytes() == noisy.position_hat.sel(observer=name).values.tobytes()
+            assert recording.force_1.tobytes() == noisy.force.sel(muscle=1).values.tobytes()
+            assert set(recording.true) == plain
+            for quantity, values in recording.true.items():
+                of = noisy[f"{quantity.rstrip('_12')}_hat"].sel(observer=name)
+                of = of.sel(muscle=int(quantity[-1])) if quantity[-1] in "12" else of
+                assert values.tobytes() == of.values.tobytes(), quantity
+    rows = (folder / "scores.csv").read_text().splitlines()
+    assert rows[0] == "observer,quantity,muscle,unit,rmse,peak"
+    assert len(rows) == 1 + len(scores(noisy)) == 1 + 4 * (3 + 4 * 3)
+    assert "RMSE after 1 s" in out
+    # nothing that is read is written over
+    code, _, err = command("estimate", str(folder / "estimates.csv"), "--muscles", str(MUSCLES))
+    assert (code, err.count("\n")) == (2, 1)
+    assert "might be overwritten by its estimates; choose another folder with --out" in err
+    # the page shows what is printed
+    page = [line.split() for line in (DOCS / "estimate.md").read_text().splitlines()]
+    table = out.partition("RMSE after 1 s")[2].partition("written")[0]
+    assert all(row in page for row in printed(table))
+
+
+def printed(table: str) -> list[list[str]]:
+    return [line.split() for line in table.splitlines() if line.strip()]
+
+
+def test_the_same_recording_gives_the_same_files(
+    short: Recording, command: Callable[..., tuple[int, str, str]]
+) -> None:
+    inputs = ("position", "force_1", "force_2")
+    write_csv(Path("short.csv"), [Series(n, "1", getattr(short, n)) for n in ("time", *inputs)])
+    for folder in "ab":
+        arguments = ("short.csv", "--muscles", str(MUSCLES), "--observer", "sliding_mode", "--out", folder)
+        code, out, _ = command("estimate", *arguments)
+        assert code == 0
+    assert "RMSE" not in out
+    contents = [{path.name: path.read_bytes() for path in Path(folder).iterdir()} for folder in "ab"]
+    assert contents[0] == contents[1]
+    names = ("estimates-sheet.pdf", "estimates-sheet.png", "estimates.csv", "estimates.nc", "estimates.sto")
+    assert sorted(contents[0]) == sorted(names)
+    assert command("figures", "a/estimates.nc", "--out", "drawn")[0] == 0
+    for path in Path("drawn").iterdir():
+        assert path.read_bytes() == contents[0][path.name]
+
+
+def test_the_sheet_shows_errors_where_the_truth_is_known(noisy: xr.Dataset) -> None:
+    labels = [axes.get_ylabel() for axes in estimate_sheet(noisy).axes]
+    errors = [label for label in labels if label.startswith("error of")]
+    assert errors == ["error of\nactivation 1", "error of\nactivation 2"]
+    alone = noisy.drop_vars([name for name in noisy if str(name).startswith("true_")])
+    assert len(estimate_sheet(alone).axes) == len(labels) - len(errors)
+    bridged = alone.isel(time=[0]).assign(bridged=alone.bridged.isel(time=[0]) + 1)
+    assert all(axes.collections for axes in estimate_sheet(bridged).axes)
+
+
+def test_what_an_earlier_run_has_left_does_not_pass_for_the_new_result(
+    noisy: xr.Dataset, short: Recording, tmp_path: Path
+) -> None:
+    users = {
+        "estimates-mine.sto": "estimates of mine\n",
+        "estimates-yours.sto": "estimates of mine from elsewhere\n",
+        "estimates.mot": "estimates of high_gain from elsewhere\n",
+        "notes.txt": "",
+    }
+    for name, text in users.items():
+        (tmp_path / name).write_text(text)
+    (tmp_path / "estimates-folder.sto").mkdir()
+    save_estimates(noisy, scores(noisy), tmp_path)
+    assert (tmp_path / "scores.csv").exists()
+    assert (tmp_path / "estimates-sliding_mode.sto").exists()
+    estimates = estimate(short, MUSCLES, ["high_gain", "high_gain_3"])
+    written = save_estimates(estimates, scores(estimates), tmp_path)
+    names = {"estimates.nc", "estimates.csv", "estimates-high_gain.sto", "estimates-high_gain_3.sto"}
+    assert {path.name for path in written} == names
+    assert {path.name for path in tmp_path.iterdir()} == {*names, *users, "estimates-folder.sto"}
+    save_estimates(estimates.sel(observer=["high_gain"]), [], tmp_path)
+    assert not (tmp_path / "estimates-high_gain.sto").exists()
+    # scores that we have not written stay
+    (tmp_path / "scores.csv").write_text("observer,points\n")
+    save_estimates(estimates, [], tmp_path)
+    assert {path.name for path in tmp_path.iterdir()} == {*names, *users, "estimates-folder.sto", "scores.csv"}
