@@ -28,14 +28,15 @@ def make_folder(folder: Path) -> None:
         os.chmod(folder, 0o700)  # the umask may have taken our own rights
 
 
-def open_folder(folder: Path) -> int:
+def open_folder(path: Path | str, folder: int | None = None) -> int:
     """Return a descriptor of a folder of ours alone: what is done by it cannot be led elsewhere by a later swap.
 
-    DistrustError if it is a link, something else or another user's; OSError if it cannot be opened.
+    folder: a descriptor of the folder that a relative path begins at. DistrustError if it is a link, something else or
+    another user's; OSError if it cannot be opened.
     """
-    if objection := folder_objection(os.lstat(folder)):
+    if objection := folder_objection(os.stat(path, dir_fd=folder, follow_symlinks=False)):
         raise DistrustError(objection)
-    handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW | os.O_CLOEXEC)
+    handle = os.open(path, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW | os.O_CLOEXEC, dir_fd=folder)
     if objection := folder_objection(os.fstat(handle)):
         os.close(handle)
         raise DistrustError(objection)
@@ -43,9 +44,10 @@ def open_folder(folder: Path) -> int:
 
 
 def read_trusted(path: Path | str, limit: int, folder: int | None = None) -> bytes:
-    """Return the bytes of a regular file of ours that no one else may write; `folder` is what `open_folder` gives.
+    """Return the bytes of a regular file of ours that no one else may write.
 
-    DistrustError if it is something else or larger than `limit` bytes; OSError if it cannot be read.
+    folder: a descriptor as for `open_folder`. DistrustError if it is something else or larger than `limit` bytes;
+    OSError if it cannot be read.
     """
     handle = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC, dir_fd=folder)
     with os.fdopen(handle, "rb") as file:
