@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -146,13 +147,15 @@ def _computed(
 
 
 def _earlier(out: Path) -> xr.Dataset | None:
-    """The result that is there already. ResultError if something else is."""
+    """The result that is there already. ResultError if something else is, or another user's: nobody speaks for us."""
     try:
-        out.lstat()
+        owner = out.lstat().st_uid
     except FileNotFoundError:
         return None
     except (OSError, ValueError) as error:
         raise ResultError(f"{out} cannot be read: {cause(error)}") from error
+    if owner != os.geteuid():
+        raise ResultError(f"{out} is there already, of another user; name another --out")
     return load(out)
 
 

@@ -28,7 +28,7 @@ def test_killed_at_each_call_of_a_write_it_goes_on(forks, untouched, tmp_path, r
     whole, calls = untouched
     *parts, result = writes(calls)
     assert len(parts) == PARTS
-    assert min(map(len, parts)) >= 8
+    assert min(map(len, parts)) >= 5  # open, write, wait for the disk, rename, wait for the folder
     places = [part[i] for n, part in enumerate(parts) for i in range(n, len(part), PARTS)] + result
     for at in places:
         assert assert_survives(forks, tmp_path / str(at), whole, fault="SIGKILL", at=at).code == -signal.SIGKILL

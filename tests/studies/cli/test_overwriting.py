@@ -1,0 +1,149 @@
+"""No command writes over what it reads, over a user's file, or over a product of its own that a user has changed."""
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from hillobs.studies.files.written import list_name
+from places import DATA
+from written_files import WRITERS, files, inputs
+
+Command = Callable[..., tuple[int, str, str]]
+
+
+@pytest.mark.parametrize("writer", WRITERS)
+def test_a_command_writes_over_its_own_files_and_over_no_other(writer: str, command: Command, tmp_path: Path) -> None:
+    """Twice the same is the same; then each file is a user's, was changed, or is a link."""
+    read = inputs(tmp_path)
+    assert command(*WRITERS[writer])[0] == 0
+    first = files(tmp_path)
+    written = sorted(first.keys() - read)
+    assert written
+    assert command(*WRITERS[writer])[0] == 0
+    assert files(tmp_path) == first
+    for name in written:
+        path, victim = tmp_path / name, tmp_path / "victim"
+        for how in ("changed", "link"):
+            if how == "link":
+                victim.write_bytes(first[name])
+                path.unlink()
+                path.symlink_to("victim")
+            elif name != "x.nc":  # a result that was damaged is no result
+                path.write_bytes(first[name] + b"\n")
+            else:
+                continue
+            before = files(tmp_path)
+            if how == "link" and name == "x.nc":  # the result of a sweep is read, not written again
+                assert command(*WRITERS[writer])[0] == 0
+            else:
+                assert_refused(command(*WRITERS[writer]), name)
+            assert files(tmp_path) == before
+        path.unlink()
+        path.write_bytes(first[name])
+        victim.unlink()
+
+
+@pytest.mark.parametrize("writer", WRITERS)
+def test_a_users_files_are_seen_before_anything_is_computed(writer: str, command: Command, tmp_path: Path) -> None:
+    read = inputs(tmp_path)
+    assert command(*WRITERS[writer])[0] == 0
+    written = sorted(files(tmp_path).keys() - read)
+    for name in written:
+        for left in [*written, list_name()]:
+            (tmp_path / left).unlink(missing_ok=True)
+        (tmp_path / name).write_text("mine")
+        code, out, err = command(*WRITERS[writer])
+        if name == "x.nc":
+            assert (code, err) == (2, "hillobs: x.nc cannot be read: it is no result of hillobs, or it is damaged\n")
+        else:
+            assert_refused((code, out, err), name)
+        assert files(tmp_path).keys() == {*read, name}
+        assert (tmp_path / name).read_text() == "mine"
+
+
+def assert_refused(done: tuple[int, str, str], name: str) -> None:
+    code, _, err = done
+    assert (code, err) == (
+        2,
+        f"hillobs: {name} is there already, and not as hillobs wrote it; "
+        "move it away, or name another folder with --out\n",
+    )
+
+
+def test_figures_write_over_no_other_file(command: Command, tmp_path: Path) -> None:
+    inputs(tmp_path)
+    command(*WRITERS["sweep over one"], "--no-figures")
+    (tmp_path / "x-curves.pdf").write_text("mine")
+    before = files(tmp_path)
+    assert_refused(command("figures", "x.nc"), "x-curves.pdf")
+    assert files(tmp_path) == before
+    (tmp_path / "x-curves.pdf").unlink()
+    for _ in range(2):
+        assert command("figures", "x.nc")[0] == 0
+
+
+def test_two_results_of_one_name_are_refused(command: Command, tmp_path: Path) -> None:
+    """The measures of `x` are called as the time series of `x-measures`."""
+    for name in ("x", "x-measures"):
+        (tmp_path / f"{name}.toml").write_text('base = "paper-clean"\n')
+    code, out, err = command("simulate", "x.toml", "x-measures.toml", "--out", "o")
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert err.startswith("hillobs: two results would be called o/x-measures.csv")
+
+
+# what an estimate writes, made of something that it reads
+LEADS: dict[str, Callable[[Path, Path], None]] = {
+    "the same": lambda given, product: product.rename(given) or os.link(given, product),
+    "a link": lambda given, product: given.symlink_to(product.name),
+    "a link beyond a link": lambda given, product: (
+        given.symlink_to("between"),
+        given.with_name("between").symlink_to(product.absolute()),
+    ),
+    "a hard link": lambda given, product: os.link(product, given),
+}
+
+
+@pytest.mark.parametrize("how", LEADS)
+@pytest.mark.parametrize("role", ["recording", "muscles", "mapping", "curves", "earlier estimates", "earlier scores"])
+def test_what_an_estimate_reads_is_not_written_over(role: str, how: str, command: Command, tmp_path: Path) -> None:
+    """Even where the file is what hillobs has written there: what is read is not lost."""
+    inputs(tmp_path)
+    words = list(WRITERS["estimate"])
+    given = tmp_path / f"given{'.toml' if role in ('muscles', 'mapping') else '.csv'}"
+    product = tmp_path / ("estimates-sliding_mode.sto" if role == "earlier estimates" else "estimates.csv")
+    if role == "earlier scores":
+        product = tmp_path / "scores.csv"
+    if role == "muscles":
+        product.write_bytes((tmp_path / "pair.toml").read_bytes())
+        words[3] = given.name
+    elif role == "mapping":
+        product.write_text('position = "position_measured"\n')
+        words += ["--map", given.name]
+    elif role == "curves":
+        product.write_bytes((DATA / "curves_millard_tables.csv").read_bytes())
+        text = (tmp_path / "pair.toml").read_text()
+        (tmp_path / "pair.toml").write_text(text.replace('"degroote_fregly2016"', '"given.csv"'))
+    else:
+        product.write_bytes((tmp_path / "short.csv").read_bytes())
+        words[1] = given.name
+    LEADS[how](given, product)
+    remember_all(tmp_path, product)
+    before = files(tmp_path)
+    code, out, err = command(*words)
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert err == f"hillobs: {product.name} is read by this command and would be lost; name another folder with --out\n"
+    assert files(tmp_path) == before
+
+
+def remember_all(folder: Path, *paths: Path) -> None:
+    """Enter files into the list of what hillobs has written."""
+    from hashlib import sha256
+
+    from hillobs.studies.files.written import remember
+
+    handle = os.open(folder, os.O_RDONLY)
+    for path in paths:
+        remember(handle, path.name, sha256(path.read_bytes()).hexdigest())
+    os.close(handle)
