@@ -32,7 +32,7 @@ def write_pieces(path: Path, pieces: Iterable[bytes]) -> None:
     """
     with (
         _told(path),
-        _opened(path.parent) as folder,
+        opened(path.parent) as folder,
         temporary_file(folder, path.name, pieces) as (temporary, digest),
     ):
         _refuse(folder, path)
@@ -75,20 +75,20 @@ def refuse_overwriting(paths: Iterable[Path]) -> None:
     for path, times in Counter(paths).items():
         if times > 1:
             raise ResultError(f"two results would be called {path}; run them one by one, with an --out each")
-        with _told(path), _opened(path.parent) as folder:
+        with _told(path), opened(path.parent) as folder:
             _refuse(folder, path)
 
 
 def refuse_read(paths: Iterable[Path]) -> None:
     """ResultError for a path that leads to a file which this command reads."""
     for path in paths:
-        with _told(path), _opened(path.parent) as folder:
+        with _told(path), opened(path.parent) as folder:
             _refuse_read(folder, path)
 
 
 def remove_ours(path: Path) -> None:
     """Remove what is there if hillobs has written it and has not read it now. ResultError if that cannot be."""
-    with _told(path), _opened(path.parent) as folder:
+    with _told(path), opened(path.parent) as folder:
         if is_ours(folder, path.name) and not was_read(path.name, folder):
             os.unlink(path.name, dir_fd=folder)
 
@@ -125,8 +125,8 @@ def _refuse_read(folder: int, path: Path) -> None:
 def writable_folder(folder: Path) -> Path:
     """`folder`, created if need be and proved writable. ResultError otherwise, also if another user's link leads on."""
     try:
+        _refuse_foreign_links(folder)  # before anything is made beyond one
         folder.mkdir(parents=True, exist_ok=True)
-        _refuse_foreign_links(folder)
         with tempfile.TemporaryFile(dir=folder):
             return folder
     except FileExistsError as error:
@@ -140,16 +140,23 @@ def writable_folder(folder: Path) -> Path:
 def _refuse_foreign_links(folder: Path) -> None:
     """ResultError if a link of another user, who is not root, is on the way to `folder`."""
     for place in (folder, *folder.parents):
-        info = os.lstat(place)
+        try:
+            info = os.lstat(place)
+        except (FileNotFoundError, NotADirectoryError):  # no link of anybody's
+            continue
         if stat.S_ISLNK(info.st_mode) and info.st_uid not in (0, os.geteuid()):
             raise ResultError(f"{folder} cannot be written to: {place} is a link of another user")
 
 
 @contextlib.contextmanager
-def _opened(folder: Path) -> Iterator[int]:
-    """A descriptor of a folder: what is done by it is done there, whatever its path becomes."""
+def opened(folder: Path) -> Iterator[int]:
+    """A descriptor of a folder: what is done by it is done there, whatever its path becomes.
+
+    OSError if it cannot be opened, ResultError if another user's link leads there.
+    """
     handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
     try:
+        _refuse_foreign_links(folder)
         yield handle
     finally:
         os.close(handle)

@@ -8,26 +8,28 @@ from __future__ import annotations
 import hashlib
 import os
 import stat
-from contextlib import suppress
 
 from .errors import ResultError
 from .quote import escaped
 
 # bytes; a line has about a hundred
 _LARGEST_LIST = 100_000_000
-_BLOCK = 1 << 20
 
 
 def is_ours(folder: int, name: str) -> bool:
     """Whether the file `name` in the folder with this descriptor is, to the byte, what hillobs has written there."""
-    with suppress(OSError):
+    try:
         handle = os.open(name, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC, dir_fd=folder)
-        try:
-            if stat.S_ISREG(os.fstat(handle).st_mode):
-                return _line(name, _digest(handle)) in _list(folder, os.O_RDONLY)
-        finally:
-            os.close(handle)
-    return False
+    except OSError:  # a link, a socket, or nothing
+        return False
+    with os.fdopen(handle, "rb") as file:
+        if not stat.S_ISREG(os.fstat(handle).st_mode):
+            return False
+        digest = hashlib.file_digest(file, "sha256").hexdigest()
+    try:
+        return _line(name, digest) in _list(folder, os.O_RDONLY)
+    except FileNotFoundError:
+        return False
 
 
 def remember(folder: int, name: str, digest: str) -> None:
@@ -68,10 +70,3 @@ def _open_list(folder: int, flags: int) -> int:
         return handle
     os.close(handle)
     raise ResultError(f"{name} in the folder of the results was not made by hillobs: remove it, or name another folder")
-
-
-def _digest(handle: int) -> str:
-    digest = hashlib.sha256()
-    while block := os.read(handle, _BLOCK):
-        digest.update(block)
-    return digest.hexdigest()

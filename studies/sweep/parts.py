@@ -18,7 +18,7 @@ from ...codegen.system.trust import DistrustError, open_folder, read_trusted
 from ..files.errors import ResultError
 from ..files.netcdf import sealed, unsealed
 from ..files.reading import cause
-from ..files.writing import temporary_file, temporary_prefix
+from ..files.writing import opened, temporary_file, temporary_prefix
 from .row import Rows
 
 # bytes; a part is some thousand numbers
@@ -120,24 +120,23 @@ class Parts:
 
     def _open(self, held: contextlib.ExitStack) -> None:
         """The folder and its lock, which is ours while it is open."""
-        self._parent = os.open(self.folder.parent, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
-        held.callback(os.close, self._parent)
+        self._parent = held.enter_context(opened(self.folder.parent))
         while True:
             with contextlib.suppress(FileExistsError):
                 os.mkdir(self.folder.name, 0o700, dir_fd=self._parent)
             # a process that has just finished removes the folder, and the lock with it
-            with contextlib.suppress(FileNotFoundError), contextlib.ExitStack() as opened:
+            with contextlib.suppress(FileNotFoundError), contextlib.ExitStack() as taken:
                 self._handle = open_folder(self.folder.name, self._parent)
-                opened.callback(os.close, self._handle)
+                taken.callback(os.close, self._handle)
                 self._refuse_foreign()
                 try:
                     lock = take(_LOCK, self._handle)
                 except BlockingIOError as error:
                     raise ResultError(f"{self._result} is being computed by {self._owner()}") from error
-                opened.callback(os.close, lock)
+                taken.callback(os.close, lock)
                 os.ftruncate(lock, 0)
                 os.pwrite(lock, f"process {os.getpid()} on {socket.gethostname()}".encode(), 0)
-                held.push(opened.pop_all())
+                held.push(taken.pop_all())
                 return
 
     def _refuse_foreign(self) -> None:

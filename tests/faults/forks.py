@@ -64,7 +64,7 @@ class Forks:
         fault: an errno or a signal by name, or REMOVED for the parts, at the call `at` (counted from 1), or `ever`
         after, or `twice` at once. near: at the first call with that in its words instead. limits: resource → number.
         stdout, stderr: a file, `closed` or `broken`. gone: the folder is removed first.
-        deaf: signals that are ignored from the start. uid: as that user, with the cache of compiled libraries at `cache`.
+        deaf: signals that are ignored from the start. uid: as that user, who has a cache of libraries at `cache`.
         """
         asked = {"arguments": arguments, "folder": str(folder), **case}
         assert self._process.stdin

@@ -1,14 +1,15 @@
 """No command writes over what it reads, over a user's file, or over a product of its own that a user has changed."""
 
+import hashlib
 import os
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from hillobs.studies.files.written import list_name
-from places import DATA
-from written_files import WRITERS, files, inputs
+from hillobs.studies.files.written import list_name, remember
+from places import DATA, contents
+from written_files import WRITERS, inputs
 
 Command = Callable[..., tuple[int, str, str]]
 
@@ -18,11 +19,11 @@ def test_a_command_writes_over_its_own_files_and_over_no_other(writer: str, comm
     """Twice the same is the same; then each file is a user's, was changed, or is a link."""
     read = inputs(tmp_path)
     assert command(*WRITERS[writer])[0] == 0
-    first = files(tmp_path)
+    first = contents(tmp_path)
     written = sorted(first.keys() - read)
     assert written
     assert command(*WRITERS[writer])[0] == 0
-    assert files(tmp_path) == first
+    assert contents(tmp_path) == first
     for name in written:
         path, victim = tmp_path / name, tmp_path / "victim"
         for how in ("changed", "link"):
@@ -34,12 +35,12 @@ def test_a_command_writes_over_its_own_files_and_over_no_other(writer: str, comm
                 path.write_bytes(first[name] + b"\n")
             else:
                 continue
-            before = files(tmp_path)
+            before = contents(tmp_path)
             if how == "link" and name == "x.nc":  # the result of a sweep is read, not written again
                 assert command(*WRITERS[writer])[0] == 0
             else:
                 assert_refused(command(*WRITERS[writer]), name)
-            assert files(tmp_path) == before
+            assert contents(tmp_path) == before
         path.unlink()
         path.write_bytes(first[name])
         victim.unlink()
@@ -49,7 +50,7 @@ def test_a_command_writes_over_its_own_files_and_over_no_other(writer: str, comm
 def test_a_users_files_are_seen_before_anything_is_computed(writer: str, command: Command, tmp_path: Path) -> None:
     read = inputs(tmp_path)
     assert command(*WRITERS[writer])[0] == 0
-    written = sorted(files(tmp_path).keys() - read)
+    written = sorted(contents(tmp_path).keys() - read)
     for name in written:
         for left in [*written, list_name()]:
             (tmp_path / left).unlink(missing_ok=True)
@@ -59,7 +60,7 @@ def test_a_users_files_are_seen_before_anything_is_computed(writer: str, command
             assert (code, err) == (2, "hillobs: x.nc cannot be read: it is no result of hillobs, or it is damaged\n")
         else:
             assert_refused((code, out, err), name)
-        assert files(tmp_path).keys() == {*read, name}
+        assert contents(tmp_path).keys() == {*read, name}
         assert (tmp_path / name).read_text() == "mine"
 
 
@@ -76,9 +77,9 @@ def test_figures_write_over_no_other_file(command: Command, tmp_path: Path) -> N
     inputs(tmp_path)
     command(*WRITERS["sweep over one"], "--no-figures")
     (tmp_path / "x-curves.pdf").write_text("mine")
-    before = files(tmp_path)
+    before = contents(tmp_path)
     assert_refused(command("figures", "x.nc"), "x-curves.pdf")
-    assert files(tmp_path) == before
+    assert contents(tmp_path) == before
     (tmp_path / "x-curves.pdf").unlink()
     for _ in range(2):
         assert command("figures", "x.nc")[0] == 0
@@ -93,9 +94,8 @@ def test_two_results_of_one_name_are_refused(command: Command, tmp_path: Path) -
     assert err.startswith("hillobs: two results would be called o/x-measures.csv")
 
 
-# what an estimate writes, made of something that it reads
+# other names of a file
 LEADS: dict[str, Callable[[Path, Path], None]] = {
-    "the same": lambda given, product: product.rename(given) or os.link(given, product),
     "a link": lambda given, product: given.symlink_to(product.name),
     "a link beyond a link": lambda given, product: (
         given.symlink_to("between"),
@@ -123,27 +123,35 @@ def test_what_an_estimate_reads_is_not_written_over(role: str, how: str, command
         words += ["--map", given.name]
     elif role == "curves":
         product.write_bytes((DATA / "curves_millard_tables.csv").read_bytes())
-        text = (tmp_path / "pair.toml").read_text()
-        (tmp_path / "pair.toml").write_text(text.replace('"degroote_fregly2016"', '"given.csv"'))
+        text = (tmp_path / "pair.toml").read_text().replace('"degroote_fregly2016"', '"given.csv"')
+        # the numbers after v_max are those of the curves that are replaced
+        (tmp_path / "pair.toml").write_text(text.partition("tendon_strain")[0])
     else:
         product.write_bytes((tmp_path / "short.csv").read_bytes())
         words[1] = given.name
     LEADS[how](given, product)
-    remember_all(tmp_path, product)
-    before = files(tmp_path)
+    enter(product)
+    before = contents(tmp_path)
     code, out, err = command(*words)
     assert (code, out, err.count("\n")) == (2, "", 1)
     assert err == f"hillobs: {product.name} is read by this command and would be lost; name another folder with --out\n"
-    assert files(tmp_path) == before
+    assert contents(tmp_path) == before
 
 
-def remember_all(folder: Path, *paths: Path) -> None:
-    """Enter files into the list of what hillobs has written."""
-    from hashlib import sha256
+def test_a_recording_of_our_own_is_not_written_over(command: Command, tmp_path: Path) -> None:
+    """Estimates of estimates, in their folder."""
+    inputs(tmp_path)
+    assert command(*WRITERS["estimate"])[0] == 0
+    before = contents(tmp_path)
+    words = list(WRITERS["estimate"])
+    for words[1] in ("estimates.sto", f"../{tmp_path.name}/estimates.sto"):
+        code, _, err = command(*words)
+        assert (code, err.partition(" and ")[0]) == (2, "hillobs: estimates.sto is read by this command")
+        assert contents(tmp_path) == before
 
-    from hillobs.studies.files.written import remember
 
-    handle = os.open(folder, os.O_RDONLY)
-    for path in paths:
-        remember(handle, path.name, sha256(path.read_bytes()).hexdigest())
+def enter(path: Path) -> None:
+    """Enter a file into the list of what hillobs has written."""
+    handle = os.open(path.parent, os.O_RDONLY)
+    remember(handle, path.name, hashlib.sha256(path.read_bytes()).hexdigest())
     os.close(handle)

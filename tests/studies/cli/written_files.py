@@ -42,8 +42,3 @@ def inputs(folder: Path) -> set[str]:
     # more than the second that observers settle in: there are scores
     (folder / "short.csv").write_bytes(b"".join(rows[:300]))
     return {"run.toml", "pair.toml", "short.csv"}
-
-
-def files(folder: Path) -> dict[str, bytes]:
-    """Name → content of what is in a folder, but for the list of what hillobs has written."""
-    return {path.name: path.read_bytes() for path in folder.iterdir() if not path.name.startswith(".hillobs-")}
