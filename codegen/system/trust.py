@@ -50,10 +50,11 @@ def read_trusted(path: Path | str, limit: int, folder: int | None = None) -> byt
     OSError if it cannot be read.
     """
     handle = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC, dir_fd=folder)
+    info = os.fstat(handle)
+    if not stat.S_ISREG(info.st_mode):
+        os.close(handle)
+        raise DistrustError("is not a file")
     with os.fdopen(handle, "rb") as file:
-        info = os.fstat(handle)
-        if not stat.S_ISREG(info.st_mode):
-            raise DistrustError("is not a file")
         if objection := _owner_objection(info):
             raise DistrustError(objection)
         if info.st_size > limit:

@@ -22,9 +22,10 @@ def is_ours(folder: int, name: str) -> bool:
         handle = os.open(name, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC, dir_fd=folder)
     except OSError:  # a link, a socket, or nothing
         return False
+    if not stat.S_ISREG(os.fstat(handle).st_mode):
+        os.close(handle)
+        return False
     with os.fdopen(handle, "rb") as file:
-        if not stat.S_ISREG(os.fstat(handle).st_mode):
-            return False
         digest = hashlib.file_digest(file, "sha256").hexdigest()
     try:
         return _line(name, digest) in _list(folder, os.O_RDONLY)

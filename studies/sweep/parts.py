@@ -157,7 +157,10 @@ class Parts:
         if theirs is None:  # none, or damaged: each part says itself whose it is
             self._write(_PLAN, sealed(ours))
         elif theirs != ours:
-            other = json.loads(theirs)
+            try:
+                other = dict(json.loads(theirs))
+            except (ValueError, TypeError):  # sealed, but no plan
+                other = {}
             changed = [key for key, value in json.loads(ours).items() if other.get(key) != value]
             raise ResultError(
                 f"{self.folder} holds an unfinished sweep with other {' and '.join(changed)}; "

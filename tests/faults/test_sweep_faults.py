@@ -99,7 +99,7 @@ FAULTS = [("ENOSPC", False), ("ENOSPC", True), ("EIO", False), ("EACCES", True)]
 def test_a_disk_that_fails_at_a_call(forks, untouched, tmp_path, fault: str, ever: bool) -> None:
     whole, calls = untouched
     said = []
-    for at in range(1 + FAULTS.index((fault, ever)), len(calls) + 1, 9):
+    for at in range(1 + FAULTS.index((fault, ever)), len(calls) + 1, 7):
         done = assert_survives(forks, tmp_path / str(at), whole, fault=fault, at=at, ever=ever)
         assert done.code in (0, 2)
         assert bool(done.err) == (done.code == 2)

@@ -166,7 +166,7 @@ ONE_PART = [sys.executable, "-m", "hillobs", *(word for word in SWEEP if word no
 
 @pytest.mark.parametrize("action", ["KILL", "ENOSPC", "EIO"])
 @pytest.mark.parametrize(
-    "call", ["openat", "write", "pwrite64", "fsync", "flock", "ftruncate", "rename", "unlinkat", "rmdir"]
+    "call", ["openat", "write", "pwrite64", "fsync", "flock", "ftruncate", "mkdirat", "renameat", "unlinkat"]
 )
 def test_each_call_of_the_system(tmp_path: Path, strace: str, record_property, call: str, action: str) -> None:
     """In the order in which the kernel sees them; those before the first that has to do with the sweep start Python."""
