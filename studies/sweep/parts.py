@@ -141,10 +141,13 @@ class Parts:
 
     def _refuse_foreign(self) -> None:
         """DistrustError if something in the folder is not of our making."""
-        names = self._names()
-        for name in names:
+        with os.scandir(self._handle) as entries:
+            names = {entry.name: entry.is_file(follow_symlinks=False) for entry in entries}
+        for name, is_file in names.items():
             if name not in (_PLAN, _LOCK) and not _PART.fullmatch(name) and not self._temporary.fullmatch(name):
                 raise DistrustError(f"holds {name}, which hillobs has not written there")
+            if not is_file:
+                raise DistrustError(f"holds {name}, which is no file")
         # the plan first: it is the smallest
         telling = sorted((name for name in names if name == _PLAN or _PART.fullmatch(name)), reverse=True)
         if telling and all(unsealed(self._read(name, _LARGEST_PART) or b"") is None for name in telling):
