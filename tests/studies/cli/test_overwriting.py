@@ -16,52 +16,45 @@ Command = Callable[..., tuple[int, str, str]]
 
 @pytest.mark.parametrize("writer", WRITERS)
 def test_a_command_writes_over_its_own_files_and_over_no_other(writer: str, command: Command, tmp_path: Path) -> None:
-    """Twice the same is the same; then each file is a user's, was changed, or is a link."""
+    """Twice the same is the same; then a file is a link, then each was changed, then each is a user's."""
     read = inputs(tmp_path)
     assert command(*WRITERS[writer])[0] == 0
     first = contents(tmp_path)
-    written = sorted(first.keys() - read)
-    assert written
     assert command(*WRITERS[writer])[0] == 0
     assert contents(tmp_path) == first
+    # the result of a sweep is read, never written again: a file under its name is that, or damaged
+    written = sorted(first.keys() - read - {"x.nc"})
+    link = tmp_path / written[0]
+    link.rename(tmp_path / "victim")
+    link.symlink_to("victim")
+    assert_refused(command(*WRITERS[writer]), link.name)
+    assert (link.is_symlink(), (tmp_path / "victim").read_bytes()) == (True, first[link.name])
+    (tmp_path / "victim").replace(link)
     for name in written:
-        path, victim = tmp_path / name, tmp_path / "victim"
-        for how in ("changed", "link"):
-            if how == "link":
-                victim.write_bytes(first[name])
-                path.unlink()
-                path.symlink_to("victim")
-            elif name != "x.nc":  # a result that was damaged is no result
-                path.write_bytes(first[name] + b"\n")
-            else:
-                continue
-            before = contents(tmp_path)
-            if how == "link" and name == "x.nc":  # the result of a sweep is read, not written again
-                assert command(*WRITERS[writer])[0] == 0
-            else:
-                assert_refused(command(*WRITERS[writer]), name)
-            assert contents(tmp_path) == before
-        path.unlink()
-        path.write_bytes(first[name])
-        victim.unlink()
-
-
-@pytest.mark.parametrize("writer", WRITERS)
-def test_a_users_files_are_seen_before_anything_is_computed(writer: str, command: Command, tmp_path: Path) -> None:
-    read = inputs(tmp_path)
-    assert command(*WRITERS[writer])[0] == 0
-    written = sorted(contents(tmp_path).keys() - read)
+        (tmp_path / name).write_bytes(first[name] + b"\n")
+        before = contents(tmp_path)
+        assert_refused(command(*WRITERS[writer]), name)
+        assert contents(tmp_path) == before
+        (tmp_path / name).write_bytes(first[name])
+    for left in [*(first.keys() - read), list_name()]:
+        (tmp_path / left).unlink()
     for name in written:
-        for left in [*written, list_name()]:
-            (tmp_path / left).unlink(missing_ok=True)
         (tmp_path / name).write_text("mine")
-        code, out, err = command(*WRITERS[writer])
-        if name == "x.nc":
-            assert (code, err) == (2, "hillobs: x.nc cannot be read: it is no result of hillobs, or it is damaged\n")
-        else:
-            assert_refused((code, out, err), name)
+        assert_refused(command(*WRITERS[writer]), name)
         assert contents(tmp_path).keys() == {*read, name}
         assert (tmp_path / name).read_text() == "mine"
+        (tmp_path / name).unlink()
+
+
+def test_a_sweep_takes_no_other_file_for_its_result(command: Command, tmp_path: Path) -> None:
+    read = inputs(tmp_path)
+    for name in ("run.toml", "x.nc"):
+        (tmp_path / "x.nc").write_text("mine")
+        before = contents(tmp_path)
+        done = command(*WRITERS["sweep over one"][:-1], name)
+        assert done == (2, "", f"hillobs: {name} cannot be read: it is no result of hillobs, or it is damaged\n")
+        assert contents(tmp_path) == before
+    assert before.keys() == {*read, "x.nc"}
 
 
 def assert_refused(done: tuple[int, str, str], name: str) -> None:
@@ -80,9 +73,6 @@ def test_figures_write_over_no_other_file(command: Command, tmp_path: Path) -> N
     before = contents(tmp_path)
     assert_refused(command("figures", "x.nc"), "x-curves.pdf")
     assert contents(tmp_path) == before
-    (tmp_path / "x-curves.pdf").unlink()
-    for _ in range(2):
-        assert command("figures", "x.nc")[0] == 0
 
 
 def test_two_results_of_one_name_are_refused(command: Command, tmp_path: Path) -> None:

@@ -6,6 +6,7 @@ from pathlib import Path
 from places import RECORDINGS
 
 _SHORT = ["--set", "duration=0.1", "--set", "score.start=0.02", "--observer", "high_gain"]
+_SWEEP = ["sweep", "run.toml", *_SHORT, "--quantity", "x2", "--over", "high_gain.eps_h=0.1,0.2"]
 _ESTIMATE = [
     "estimate",
     "short.csv",
@@ -23,10 +24,8 @@ _OBSERVABILITY = ["observability", "--order", "1", "--out", "."]
 # name → command; all write into the current folder
 WRITERS = {
     "simulate": ["simulate", "run.toml", *_SHORT, "--out", "."],
-    "sweep over one": ["sweep", "run.toml", *_SHORT, "--over", "high_gain.eps_h=0.1,0.2", "--out", "x.nc"],
-    "sweep over two": [
-        *("sweep", "run.toml", *_SHORT, "--over", "high_gain.eps_h=0.1,0.2", "--over", "plant.m=1,2", "--out", "x.nc")
-    ],
+    "sweep over one": [*_SWEEP, "--out", "x.nc"],
+    "sweep over two": [*_SWEEP, "--over", "plant.m=1,2", "--out", "x.nc"],
     "estimate": _ESTIMATE,
     "along": [*_OBSERVABILITY, "run.toml", "--along", "--set", "duration=0.1", "--set", "score.start=0.02"],
     "map": [*_OBSERVABILITY, "run.toml", "--map", "x3,x4"],
