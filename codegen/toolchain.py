@@ -26,6 +26,7 @@ from .building import building
 from .cache import ABI, BuildError
 from .system.processor import divides_slowly, features, lacking
 from .system.signals import HeldSignals
+from .system.trust import write_new
 
 FLAGS = (
     *("-x", "c++", "-std=c++17", "-O3", "-fPIC", "-shared", "-fvisibility=hidden"),
@@ -121,7 +122,7 @@ def compile_library(
     scratch = {"TMPDIR": str(output_folder), "ZIG_LOCAL_CACHE_DIR": str(output_folder / "zig")}
     shared = {"ZIG_GLOBAL_CACHE_DIR": str(output_folder.parent / cache.ZIG_FOLDER)}
     try:
-        cache.write_new(output_folder / _SOURCE, source.encode())
+        write_new(output_folder / _SOURCE, source.encode())
         code, output = _run(command, output_folder, _timeout() if timeout is None else timeout, scratch | shared)
         problem = _ending(code) if code else _incomplete(library)
     except OSError as error:

@@ -11,6 +11,7 @@ from typing import TextIO
 
 import click
 
+from ..files.reading import remembered_reading
 from .terminal import USAGE, complain, user_errors
 
 _INTERRUPTED, _READER_GONE = 130, 141
@@ -49,7 +50,7 @@ class _Commands(click.Group):
             formatter.write_dl([(name, sentence) for name, (_, sentence) in _COMMANDS.items()])
 
     def invoke(self, ctx: click.Context) -> object:
-        with user_errors():
+        with remembered_reading(), user_errors():
             return super().invoke(ctx)
 
 

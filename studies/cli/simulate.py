@@ -9,13 +9,14 @@ from pathlib import Path
 import click
 import xarray as xr
 
-from ..figures.run import save_figures
+from ..figures.page import figure_paths
+from ..figures.run import FIGURES, save_figures
 from ..files.quote import escaped
-from ..files.writing import writable_folder
+from ..files.writing import refuse_overwriting, writable_folder
 from ..scenarios.layers import Value
 from ..scenarios.prepare import prepare
 from ..scenarios.scenario import parse_change
-from ..simulate.files import refuse_same_names, save
+from ..simulate.files import run_paths, save
 from ..simulate.run import RunWarning, simulate_prepared
 from .options import observer_option, scenarios_argument, set_option
 from .reports.simulate import failures, notes, tables
@@ -47,8 +48,13 @@ def simulate(
         if typed is not None:
             changes |= dict([parse_change(f"{path}={typed}")])
     runs = [prepare(name, list(observers) or None, changes) for name in scenarios or _PAPER]
-    refuse_same_names([prepared.label for prepared in runs])
     folder = writable_folder(Path(out))
+    drawn = () if no_figures else FIGURES
+    refuse_overwriting(
+        path
+        for label in (prepared.label for prepared in runs)
+        for path in (*run_paths(folder, label), *figure_paths(folder, label, drawn))
+    )
     failed = False
     for prepared in runs:
         name = prepared.label

@@ -15,11 +15,11 @@ import xarray as xr
 
 from ...model.symbols import QUANTITIES
 from ...observers.score import MEASURES
-from ..figures.sweep.figures import save_sweep_figures
+from ..figures.sweep.figures import save_sweep_figures, sweep_figure_paths
 from ..files.errors import ClusterError, ScenarioError
 from ..files.numbers import whole_number
 from ..files.quote import escaped, shown
-from ..files.writing import writable_folder
+from ..files.writing import refuse_overwriting, writable_folder
 from ..scenarios.layers import Value
 from ..sweep.axes import DESIGNS, Values
 from ..sweep.plan import MANY_RUNS, plan
@@ -85,6 +85,8 @@ def sweep(
         if planned.runs > MANY_RUNS and not yes:
             raise ScenarioError(f"{planned.runs:,} runs are more than {MANY_RUNS:,}; say --yes if they are meant")
         path = None if out is None else writable_folder(Path(out).parent) / Path(out).name
+        if path is not None and not no_figures:
+            refuse_overwriting(sweep_figure_paths(planned.axes, planned.observers, path.parent, path.stem))
         with engine(workers, cluster) as (compute, usual), counting("runs", planned.runs) as advance:
             pace = Pace(advance)
 

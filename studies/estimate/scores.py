@@ -29,7 +29,7 @@ class Score:
     peak: float
 
 
-HEADER = tuple(field.name for field in fields(Score))
+_HEADER = tuple(field.name for field in fields(Score))
 
 
 def scores(dataset: xr.Dataset) -> list[Score]:
@@ -39,7 +39,7 @@ def scores(dataset: xr.Dataset) -> list[Score]:
 
 def scores_csv(scores: list[Score]) -> str:
     """A row per score."""
-    return csv_text([HEADER, *map(astuple, scores)])
+    return csv_text([_HEADER, *map(astuple, scores)])
 
 
 def _scores(late: xr.Dataset) -> Iterator[Score]:

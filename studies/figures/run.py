@@ -27,6 +27,7 @@ from .page import above, settings, write_figures
 from .traces import line, traces
 from .views import Flags, infeasible, limits, series, slack, start, true
 
+FIGURES = ("phi_s", "reference", "states", "inputs", "activations")
 INPUTS = ("Delta", "u1", "u2")
 ACTIVATIONS = ("a1", "a2")
 
@@ -38,15 +39,10 @@ _NUMBERS = 5
 
 
 def figures(dataset: xr.Dataset) -> dict[str, Figure]:
-    """All figures of one run: `phi_s`, `reference`, `states`, `inputs`, `activations`."""
+    """All figures of one run, by the names in FIGURES."""
     with settings():
-        drawn = {
-            "phi_s": phi_s(dataset),
-            "reference": reference(dataset),
-            "states": estimates(dataset, STATES),
-            "inputs": estimates(dataset, INPUTS),
-            "activations": estimates(dataset, ACTIVATIONS),
-        }
+        groups = (estimates(dataset, quantities) for quantities in (STATES, INPUTS, ACTIVATIONS))
+        drawn = dict(zip(FIGURES, (phi_s(dataset), reference(dataset), *groups), strict=True))
         for figure in drawn.values():
             _name_changes(figure, dataset)
         return drawn

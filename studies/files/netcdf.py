@@ -17,9 +17,9 @@ LARGEST_RESULT = 5_000_000_000
 _SEAL_SIZE = 40
 
 
-def save_netcdf(dataset: xr.Dataset, path: Path, folder: Path | None = None) -> None:
-    """A Dataset as NetCDF, every variable compressed, with a seal behind it; `folder` as for `write_whole`."""
-    write_whole(path, _netcdf(dataset), folder)
+def save_netcdf(dataset: xr.Dataset, path: Path) -> None:
+    """A Dataset as NetCDF, every variable compressed, with a seal behind it. ResultError as for `write_whole`."""
+    write_whole(path, netcdf(dataset))
 
 
 def load(path: str | Path) -> xr.Dataset:
@@ -45,7 +45,7 @@ def unsealed(raw: bytes) -> bytes | None:
     return content if raw == sealed(content) else None
 
 
-def _netcdf(dataset: xr.Dataset) -> bytes:
+def netcdf(dataset: xr.Dataset) -> bytes:
     """The file in memory, every variable compressed; readers of HDF5 pass over the seal behind it."""
     encoding = {
         str(name): {"zlib": True, "complevel": 1, **({"dtype": "S1"} if variable.dtype.kind == "U" else {})}

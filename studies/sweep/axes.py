@@ -67,6 +67,11 @@ class Axes:
         return math.prod(self.shape)
 
     @property
+    def varied(self) -> list[str]:
+        """The paths with more than one value."""
+        return [path for path, values in zip(self.paths, self.values, strict=True) if len(np.unique(values)) > 1]
+
+    @property
     def dimensions(self) -> tuple[str, ...]:
         """Names of these dimensions."""
         return self.paths if self.kind == "grid" else ("point",) * bool(self.values)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import shutil
 import sys
+import tempfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 from ...figures.observability import along_figure, explanation, map_figure
 from ...figures.page import write_figures
-from ...files.writing import write_whole
 from ...observability.map import TENSION, along, over, tendon_edges
 from ...observability.point import Answer, answer, start_point
 from ...observability.question import PAPER_SENSORS, UNKNOWNS, Question, pose
@@ -43,7 +44,7 @@ def main() -> None:
     text = tables(prepared)
     print(text)
     page = PAGE.read_text(encoding="utf-8")
-    write_whole(PAGE, with_tables(page, text).encode())
+    PAGE.write_text(with_tables(page, text), encoding="utf-8")
     question = pose(prepared, unknown="u", order=2)
     slack = prepare("slack", None, {})
     drawn = {
@@ -52,9 +53,11 @@ def main() -> None:
         "slack": along_figure(along(slack, pose(slack, unknown="u", order=2))),
         "why": explanation(question, start_point(prepared)),
     }
-    paths = [path for path in write_figures(drawn, PAGE.parent, "observability") if path.suffix == ".png"]
-    for path in PAGE.parent.glob("observability-*.pdf"):
-        path.unlink()  # a page shows the pictures; a paper draws its own
+    paths = []
+    with tempfile.TemporaryDirectory() as scratch:
+        for path in write_figures(drawn, scratch, "observability"):
+            if path.suffix == ".png":  # a page shows the pictures; a paper draws its own
+                paths.append(Path(shutil.move(path, PAGE.parent / path.name)))
     print(f"written: {PAGE}, {', '.join(map(str, paths))}", file=sys.stderr)
 
 

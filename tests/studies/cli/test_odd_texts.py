@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from command_line import SHORT
+from places import contents
 
 ODD_NAMES = ["a[/x].toml", "run[bold].toml", "-dash.toml", "sp ace.toml", "$(touch made).toml", "ü😀.toml", "...toml"]
 
@@ -18,9 +19,7 @@ def test_a_good_file_with_an_odd_name_runs(name: str, command, tmp_path: Path) -
     code, out, err = command("simulate", "--no-figures", "--out", "o", "--", name)
     assert (code, err) == (0, "")
     assert out.startswith(f"{path.stem}, seed 0")
-    assert sorted(p.name for p in (tmp_path / "o").iterdir()) == [
-        f"{path.stem}{end}" for end in ("-measures.csv", ".csv", ".nc")
-    ]
+    assert sorted(contents(tmp_path / "o")) == [f"{path.stem}{end}" for end in ("-measures.csv", ".csv", ".nc")]
     assert not (tmp_path / "made").exists()
 
 
