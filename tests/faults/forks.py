@@ -111,12 +111,12 @@ def _serve() -> None:
 
 def _command(case: dict, streams: dict[str, int]) -> int:
     """Run the command of a case to the end of its process; its exit code."""
-    from hillobs.studies.cli import main as cli
+    from hillobs.__main__ import main
 
     code = 0
     try:
         _become(case, streams)
-        cli.main()
+        main()
     except SystemExit as end:
         code = end.code if isinstance(end.code, int) else int(end.code is not None)
     except BaseException:
