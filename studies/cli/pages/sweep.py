@@ -14,6 +14,7 @@ from ...files.writing import writable_folder
 from ...sweep.axes import Range
 from ...sweep.run import sweep
 from ..reports.sweep import notes, tables
+from ..stopping import stoppable
 from ..terminal import print_table, user_errors
 
 _TRIO = {
@@ -54,4 +55,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    stoppable(main)
