@@ -30,7 +30,8 @@ if TYPE_CHECKING:
     from .studies.simulate.run import RunWarning, simulate
     from .studies.sweep.axes import Range
     from .studies.sweep.cluster.client import ClusterWarning
-    from .studies.sweep.run import SweepWarning, sweep
+    from .studies.sweep.computing import SweepWarning
+    from .studies.sweep.run import sweep
 
 _NAMES = {
     ".codegen.cache": ("BuildError", "CacheWarning"),
@@ -48,7 +49,8 @@ _NAMES = {
     ".studies.simulate.run": ("RunWarning", "simulate"),
     ".studies.sweep.axes": ("Range",),
     ".studies.sweep.cluster.client": ("ClusterWarning",),
-    ".studies.sweep.run": ("SweepWarning", "sweep"),
+    ".studies.sweep.computing": ("SweepWarning",),
+    ".studies.sweep.run": ("sweep",),
 }
 _PLACES = {name: module for module, names in _NAMES.items() for name in names}
 
