@@ -114,7 +114,7 @@ def _command(case: dict, streams: dict[str, int]) -> int:
     from hillobs import __main__ as start
 
     code = 0
-    start._LEAST = 0  # all is loaded: memory may end later, and less of it is enough
+    start._LEAST = 1  # all is loaded: memory may end later, and less of it is enough
     try:
         _become(case, streams)
         start.main()

@@ -62,5 +62,6 @@ def test_a_mistake_is_a_mistake_with_little_memory_too(
 
 
 def test_there_is_room_for_little_but_not_for_everything() -> None:
+    assert room.has_room(1)
     assert room.has_room(MB)
     assert not room.has_room(2**60)
