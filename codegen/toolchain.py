@@ -11,6 +11,7 @@ import selectors
 import shlex
 import shutil
 import signal
+import stat
 import struct
 import subprocess
 import sys
@@ -295,6 +296,8 @@ def _ending(code: int) -> str:
 def _incomplete(library: Path) -> str:
     """Return what is wrong with the file that a compiler left, or an empty text."""
     try:
+        if not stat.S_ISREG(library.stat().st_mode):  # a pipe would be waited for
+            return "reported success but what it wrote is no file"
         with library.open("rb") as file:
             head, size = file.read(64), os.fstat(file.fileno()).st_size
     except FileNotFoundError:

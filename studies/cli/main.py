@@ -14,7 +14,7 @@ import click
 from ..files.reading import remembered_reading
 from .terminal import USAGE, complain, user_errors
 
-_INTERRUPTED, _READER_GONE = 130, 141
+_READER_GONE = 141
 
 # command → its module here, and what it does: modules wait until their command is asked for
 _COMMANDS: Mapping[str, tuple[str, str]] = {
@@ -64,7 +64,7 @@ def commands(ctx: click.Context) -> None:
 
 
 def main() -> None:
-    """Run the command line and exit: 0 done, 1 numbers failed or rank deficient, 2 wrong input, 130 interrupted."""
+    """Run the command line and exit: 0 done, 1 numbers failed or rank deficient, 2 wrong input."""
     # a closed stream is None; what it is given goes nowhere
     sys.stdout, sys.stderr = (stream or os.fdopen(_nowhere(), "w") for stream in (sys.stdout, sys.stderr))
     for stream in (sys.stdout, sys.stderr):
@@ -77,8 +77,6 @@ def main() -> None:
     except click.ClickException as error:
         complain(error.format_message())
         sys.exit(USAGE)
-    except (click.Abort, KeyboardInterrupt):
-        sys.exit(_INTERRUPTED)
     except OSError as error:
         _drop_output()
         complain(f"{error.filename or 'standard output'}: {error.strerror}")

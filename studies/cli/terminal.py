@@ -16,11 +16,13 @@ from rich.table import Table
 
 from ...codegen.building import told_of_builds
 from ...codegen.cache import BuildError
+from ...codegen.system.room import has_room
 from ...model.errors import Error
 from ..files.quote import escaped
 
 # exit codes: numbers that are not finite, a user's mistake
 NUMERICAL, USAGE = 1, 2
+_LIBRARY = 100_000_000  # bytes: more than the largest library that a command loads
 # columns of a table in a pipe or a file, where nobody wraps lines
 _PIPE_WIDTH = 120
 
@@ -115,8 +117,12 @@ def user_errors() -> Iterator[None]:
     except Error as error:
         complain(str(error))
         sys.exit(USAGE)
-    except MemoryError as error:  # NumPy says how much it asked for
-        complain(f"there is not enough memory. {error}".rstrip(". "))
+    except Exception as error:
+        # for want of memory a library may seem not to be installed, or a number out of range
+        if not isinstance(error, MemoryError) and has_room(_LIBRARY):
+            raise
+        words = error if isinstance(error, MemoryError) else ""  # NumPy says how much it asked for
+        complain(f"there is not enough memory. {words}".rstrip(". "))
         sys.exit(USAGE)
 
 

@@ -24,14 +24,10 @@ from ..scenarios.layers import Value
 from ..simulate.run import recorded
 from .axes import Values
 from .cluster.client import on_cluster
-from .computing import Compute, on_threads
+from .computing import Compute, SweepWarning, on_threads
 from .dataset import sweep_dataset
 from .parts import Parts
 from .plan import Plan, plan
-
-
-class SweepWarning(UserWarning):
-    """Something about a sweep that is mended, and should be known."""
 
 
 def sweep(

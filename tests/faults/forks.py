@@ -111,12 +111,13 @@ def _serve() -> None:
 
 def _command(case: dict, streams: dict[str, int]) -> int:
     """Run the command of a case to the end of its process; its exit code."""
-    from hillobs.studies.cli import main as cli
+    from hillobs import __main__ as start
 
     code = 0
+    start._LEAST = 1  # all is loaded: memory may end later, and less of it is enough
     try:
         _become(case, streams)
-        cli.main()
+        start.main()
     except SystemExit as end:
         code = end.code if isinstance(end.code, int) else int(end.code is not None)
     except BaseException:

@@ -16,6 +16,7 @@ from ...files.writing import refuse_overwriting, writable_folder
 from ...sweep.axes import Range, axes
 from ...sweep.run import sweep
 from ..reports.sweep import notes, tables
+from ..stopping import stoppable
 from ..terminal import print_table, user_errors
 
 _TRIO = {
@@ -69,4 +70,4 @@ def _name(path: str) -> str:
 
 
 if __name__ == "__main__":
-    main()
+    stoppable(main)
