@@ -12,7 +12,6 @@ import casadi as ca
 
 from .errors import Error
 
-
 # the integration step, the one symbol that Blocks share
 STEP = ca.SX.sym("h")
 
@@ -133,7 +132,11 @@ class Block:
             if objection := parameter.objection(parameter.default):
                 raise BlockError(f"{self.name}: the default of {name} must be {objection}, not {parameter.default:g}")
         signals = {**self.x, **self.y}
-        for what, names, valid in (("x0", self.x0, self.x), ("held", self.held, self.u), ("limits", self.limits, signals)):
+        for what, names, valid in (
+            ("x0", self.x0, self.x),
+            ("held", self.held, self.u),
+            ("limits", self.limits, signals),
+        ):
             if unknown := [name for name in names if name not in valid]:
                 raise BlockError(f"{self.name}: {what} names {', '.join(unknown)}; valid are {', '.join(valid)}")
         self._check_free_symbols()
@@ -141,7 +144,7 @@ class Block:
     def _check_free_symbols(self) -> None:
         inputs = [*self.u.values(), *self.p.values()]
         known_to = {
-            **dict.fromkeys(_EXPRESSIONS, [*self.x.values(), *inputs]),
+            **{group: [*self.x.values(), *inputs] for group in _EXPRESSIONS},
             "x0": inputs,
             "limits": [*self.p.values(), STEP],
         }

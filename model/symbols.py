@@ -9,8 +9,7 @@ from dataclasses import dataclass
 class Signal:
     """What a named number of the model is.
 
-    `tolerance` is the error below which it counts as settled, `size` how much it typically varies, `order` how many
-    times a length is divided by a time to give it: 0 a length, 1 a velocity, 2 an acceleration, None something else.
+    `tolerance` is the error below which it counts as settled, `size` how much it typically varies.
     """
 
     name: str
@@ -20,23 +19,22 @@ class Signal:
     unit: str = "1"
     tolerance: float = float("nan")
     size: float = 1.0
-    order: int | None = None
 
 
 _SIGNALS = (
     Signal("t", r"$\tau$", "time", "paper, §II"),
-    Signal("x1", r"$x_1$", "position L_m1 of the mass", "[x1d]", tolerance=2e-3, size=0.01, order=0),
-    Signal("x2", r"$x_2$", "velocity of the mass, positive to the right", "[x2d]", tolerance=5e-3, size=0.01, order=1),
-    Signal("x3", r"$x_3$", "length L_S1 of the series elastic element of muscle 1", "[x3d]", tolerance=5e-4, size=0.01, order=0),
-    Signal("x4", r"$x_4$", "length L_S2 of the series elastic element of muscle 2", "[x4d]", tolerance=5e-4, size=0.01, order=0),
+    Signal("x1", r"$x_1$", "position L_m1 of the mass", "[x1d]", tolerance=2e-3, size=0.01),
+    Signal("x2", r"$x_2$", "velocity of the mass, positive to the right", "[x2d]", tolerance=5e-3, size=0.01),
+    Signal("x3", r"$x_3$", "length L_S1 of the series elastic element of muscle 1", "[x3d]", tolerance=5e-4, size=0.01),
+    Signal("x4", r"$x_4$", "length L_S2 of the series elastic element of muscle 2", "[x4d]", tolerance=5e-4, size=0.01),
     Signal(
-        "Delta", r"$\Delta_\Phi$", "bounded uncertainty in the acceleration", "[Deltaphi]", tolerance=5e-3, size=0.01, order=2
+        "Delta", r"$\Delta_\Phi$", "bounded uncertainty in the acceleration", "[Deltaphi]", tolerance=5e-3, size=0.01
     ),
     Signal(
-        "u1", r"$u_1$", "virtual input of muscle 1: minus its fibre velocity", "[lcdot1]", tolerance=5e-3, size=0.01, order=1
+        "u1", r"$u_1$", "virtual input of muscle 1: minus its fibre velocity", "[lcdot1]", tolerance=5e-3, size=0.01
     ),
     Signal(
-        "u2", r"$u_2$", "virtual input of muscle 2: minus its fibre velocity", "[lcdot2]", tolerance=5e-3, size=0.01, order=1
+        "u2", r"$u_2$", "virtual input of muscle 2: minus its fibre velocity", "[lcdot2]", tolerance=5e-3, size=0.01
     ),
     Signal("a1", r"$a_1$", "activation of muscle 1", "[z]", tolerance=2e-2, size=0.5),
     Signal("a2", r"$a_2$", "activation of muscle 2", "[z]", tolerance=2e-2, size=0.1),

@@ -17,6 +17,8 @@ from ..model.block import Symbols
 FACTS = {
     "h": "integration step",
     "U_m": "bound of |u_j|: the controller's limit, or what the run exceeded it by",
+    "f_plus": "bound of |Δ_Φ| that the gains are for: the paper's f⁺",
+    "p": "the paper's p of [lambda11]",
     "sup_dDelta": "largest |Δ̇| between recorded points of the true run",
     "sup_du1": "largest |u̇₁| between recorded points of the true run",
     "sup_du2": "largest |u̇₂| between recorded points of the true run",
