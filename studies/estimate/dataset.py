@@ -55,7 +55,8 @@ def estimate_dataset(case: Case, results: Mapping[str, Result], library: str) ->
         none = np.zeros(len(y))
         guards = [[r.guards.get(f"{quantity}{j}_hat_limit", none) for j in _MUSCLES] for r in results.values()]
         # after a failure nothing is limited
-        return np.nan_to_num(np.array(guards)).transpose(0, 2, 1).astype(np.int8)
+        active: Array = np.nan_to_num(np.array(guards, dtype=float))
+        return active.transpose(0, 2, 1).astype(np.int8)
 
     x1, L_S = stacked("x1"), stacked(*STATES[2:])
     # L_C = L_m − L_S
