@@ -76,7 +76,7 @@ def notes(dataset: xr.Dataset) -> Iterator[str]:
 
 
 def failures(dataset: xr.Dataset) -> Iterator[str]:
-    """A sentence per observer whose numbers end."""
+    """A sentence per observer that fails."""
     yield from json.loads(dataset.attrs["failures"]).values()
 
 
