@@ -126,7 +126,7 @@ class Memory:
         sizes = {("", "noise"): len(loop.noise)}
         for block in used:
             sizes[block.name, "p"], sizes[block.name, "c"] = len(block.p), compiled.constants[block.name]
-            sizes[block.name, "x"] = len(block.x)
+            sizes[block.name, "x"], sizes[block.name, "scales"] = len(block.x), len(block.x) + len(block.y)
             if block in loop.observers:
                 sizes[block.name, "sums"] = len(loop.score.x)
             if record:
@@ -162,7 +162,7 @@ class Memory:
 
     def _part(self, vector: int, block: Block, record: bool) -> Part:
         index = self._loop.blocks.index(block)
-        arrays = {key: self._address(vector, block.name, key) for key in ("p", "c", "x", "sums", "guards")}
+        arrays = {key: self._address(vector, block.name, key) for key in ("p", "c", "x", "scales", "sums", "guards")}
         # the truth that all share fails for all
         owner = self._vectors if self._shared and block is self._loop.truth else vector
         part = Part(**arrays, front=self._front_of.get(block.name, 0))

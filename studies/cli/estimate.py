@@ -77,17 +77,17 @@ def estimate(
 
         dataset = estimated(read, pair, observers or None, None, not uncorrected, changes, every, advance)
     reading, building, following = (after - before for before, after in itertools.pairwise(times))
-    for note in notes(dataset):
-        click.echo(escaped(note))
-    click.echo(timing(dataset, reading, building, following))
     known = scores(dataset)
-    if known:
-        click.echo()
-        print_table(score_table(known))
     with bar("writing"):
         paths = save_estimates(dataset, known, folder)
         if not no_figures:
             paths += save_sheet(dataset, folder, _STEM)
+    for note in notes(dataset):
+        click.echo(escaped(note))
+    click.echo(timing(dataset, reading, building, following))
+    if known:
+        click.echo()
+        print_table(score_table(known))
     click.echo(written(paths))
     ended = list(failures(dataset))
     for sentence in ended:

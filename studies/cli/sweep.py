@@ -89,12 +89,13 @@ def sweep(
                 dataset = sweep_planned(planned, path, compute, target or usual, pace)
             except ClusterError as error:
                 raise ClusterError("; ".join([str(error), *_kept(out)])) from error
+        written = "" if path is None else _written(dataset, path, no_figures)
         for note in (*pace.sentences(), *notes(dataset)):
             click.echo(escaped(note))
         for table in tables(dataset):
             print_table(table)
-        if path is not None:
-            click.echo(_written(dataset, path, no_figures))
+        if written:
+            click.echo(written)
     if dataset.failed_at.notnull().any() or dataset.plant_failed_at.notnull().any():
         sys.exit(NUMERICAL)
 
@@ -113,13 +114,13 @@ def _kind(zipped: bool, design: str | None) -> tuple[str, int]:
 
 def _written(dataset: xr.Dataset, path: Path, no_figures: bool) -> str:
     """Draw the figures beside the result, and say where both are."""
-    written = escaped(f"written to {path}")
+    result = escaped(f"written to {path}")
     if no_figures:
-        return written
+        return result
     with bar("drawing"):
         drawn, sentence = save_sweep_figures(dataset, path.parent, path.stem)
     names = "".join(f", {figure.name} and .pdf" for figure in drawn if figure.suffix == ".png")
-    return f"{sentence}\n{written}{names}".lstrip()
+    return f"{sentence}\n{result}{names}".lstrip()
 
 
 @contextlib.contextmanager

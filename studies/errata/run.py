@@ -12,7 +12,8 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from ...codegen.batch import Failure, Trace, compile_loop
+from ...codegen.batch import Trace, compile_loop
+from ...codegen.failure import Failure
 from ...codegen.loop import Loop
 from ...codegen.memory import Grid
 from ...model.arrays import Array

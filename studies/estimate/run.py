@@ -27,6 +27,7 @@ from ..scenarios.layers import Value
 from ..scenarios.paths import Paths, paths_of
 from ..scenarios.scenario import checked_number
 from .case import Case, Result, Settings
+from .conditions import gain_conditions
 from .dataset import estimate_dataset
 from .first_pass import compile_first_pass, first_pass
 from .follow import compiled_bank, followed, follower_bank, lengths_block, observers_named, tendon_lengths
@@ -160,15 +161,18 @@ def _follow(
     gains = {path: value for path, value in {**rule, **by_hand}.items() if path.partition(".")[2] in block.p}
     numbers = paths.values(block, {**case.scales.numbers, **gains, **_start(case)})
     first = {"t": 0.0, **dict(zip((*MEASURED, *LENGTHS), [*case.y[0], *case.z[0]], strict=True))}
-    steps = substeps(observer, block, dict(zip(block.p, numbers, strict=True)), first, case.period)
+    by_name = dict(zip(block.p, numbers, strict=True))
+    steps = substeps(observer, block, by_name, first, case.period)
+    violated = [c for c in gain_conditions(observer, by_name, case.sizes, case.period / steps) if not c.holds]
+    filter_ = compiled.follow(name, np.array(numbers), steps)
     kept = len(range(len(case.tau))[case.kept])
     y, guards, place = np.empty((kept, len(block.y))), np.empty((kept, len(block.guards))), 0
-    for piece, outputs, active in followed(compiled, name, np.array(numbers), steps, case.period, case.tau, case.y):
+    for piece, outputs, active in followed(filter_, case.period, case.tau, case.y):
         chosen = slice(-piece.start % case.settings.keep_every, None, case.settings.keep_every)
         here = slice(place, place + len(outputs[chosen]))
         y[here], guards[here], place = outputs[chosen], active[chosen], here.stop
         progress(min(piece.stop, len(case.tau)) / len(case.tau))
-    return Result(_named(block.y, y), _named(block.guards, guards), gains, steps)
+    return Result(_named(block.y, y), _named(block.guards, guards), gains, steps, violated, filter_.failure)
 
 
 def _start(case: Case) -> dict[str, float]:

@@ -16,6 +16,8 @@ NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 GAP = re.compile(r"([+-]?nan)?", re.IGNORECASE | re.ASCII)
 # of a whole number on a command line
 _MOST_DIGITS = 12
+# no quantity of a muscle, in any unit, is beyond these; a product of ten such numbers is a number still
+_SMALLEST, _LARGEST = 1e-30, 1e30
 
 
 def whole_number(option: str, text: str, least: int) -> int:
@@ -42,6 +44,8 @@ def within(path: str, value: object, parameter: Parameter) -> float:
         number = math.inf
     if not math.isfinite(number):
         raise ScenarioError(f"{path} must be a finite number, not {number}")
+    if number and not _SMALLEST <= abs(number) <= _LARGEST:
+        raise ScenarioError(f"{path} must be 0 or from {_SMALLEST:g} to {_LARGEST:g} in magnitude, not {number:g}")
     if objection := parameter.objection(number):
         raise ScenarioError(f"{path} must be {objection}, not {number:.12g}")
     return number

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import math
+
 
 def number(value: float) -> str:
     """Two digits, short: 1.8e-4, 0.52, 12."""
     if value != value:
         return "–"
+    if math.isinf(value):
+        return f"{value}"
     if value == 0:
         return "0"
     if not 1e-2 <= abs(value) < 1e4:

@@ -11,6 +11,7 @@ from rich.text import Text
 
 from ....model.symbols import QUANTITIES
 from ....observers import label
+from .conditions import violated_conditions
 from .number import number
 
 _TITLES = {
@@ -64,9 +65,7 @@ def notes(dataset: xr.Dataset) -> Iterator[str]:
         yield f"limits active in {where} (time): {active}"
         if any("infeasible" in guard for guard in times):
             yield "  infeasible: the inputs ask for an activation outside [0, 1]; estimates are limited to it"
-    for name, conditions in json.loads(dataset.attrs["violated_conditions"]).items():
-        for condition in conditions:
-            yield f"gain condition of {label(name)}: {condition}"
+    yield from violated_conditions(dataset)
 
 
 def failures(dataset: xr.Dataset) -> list[str]:

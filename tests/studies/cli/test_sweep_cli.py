@@ -49,7 +49,7 @@ MISTAKES = {
     "--over muscle.k=19,20 --over muscle1.k=18 --over muscle2.k=18": "muscle.k changes nothing here",
     "--over activation1.offset=0.1,0.2": "activation1.offset changes nothing here",
     "--over duration=0.05,1e9": "at duration = 1e+09: duration = 1e+09 at step = 0.0005 is more than",
-    "--over step=1e-300,1e-3": "at step = 1e-300",
+    "--over step=1e-20,1e-3": "at step = 1e-20",
     "--over muscle.k=lin:1:20:1000 --over muscle.toe=lin:0.01:0.04:1000": "are too many",
     "--seeds 0": f"--seeds {WHOLE} 1, not '0'",
     "--seeds -1": f"--seeds {WHOLE} 1, not '-1'",
