@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 
 def number(value: float) -> str:
     """Two digits, short: 1.8e-4, 0.52, 12."""
@@ -13,6 +15,11 @@ def number(value: float) -> str:
         mantissa, _, exponent = f"{value:.1e}".partition("e")
         return f"{mantissa}e{int(exponent)}"
     return f"{value:.2g}" if abs(value) < 100 else f"{value:.0f}"
+
+
+def percent(fraction: float) -> str:
+    """Two digits: 0.12 %, 15 %; ∞ if there is no bound."""
+    return "∞" if fraction == math.inf else f"{number(100 * fraction)} %"
 
 
 def counted(count: int, noun: str, plural: str = "") -> str:
