@@ -26,7 +26,7 @@ from ..sweep.plan import MANY_RUNS, plan
 from ..sweep.run import engine, sweep_planned
 from .options import observer_option, over_option, scenario_argument, set_option, whole_option
 from .pace import Pace
-from .reports.sweep import notes, tables
+from .reports.sweep import notes, step_table, tables
 from .terminal import NUMERICAL, bar, complain, counting, print_table
 
 # a shell adds the number of the signal
@@ -98,7 +98,7 @@ def sweep(
                 raise ClusterError(f"{error}{_kept(out)}") from error
         for note in (*pace.sentences(), *notes(dataset)):
             click.echo(escaped(note))
-        for table in tables(dataset):
+        for table in (*tables(dataset), *step_table(dataset)):
             print_table(table)
         if path is not None:
             click.echo(_written(dataset, path, no_figures))

@@ -107,9 +107,9 @@ def _step_notes(dataset: xr.Dataset) -> Iterator[str]:
     }
     if known := {where: error for where, error in errors["rmse"].items() if error == error}:
         (estimator, quantity), largest = max(known.items(), key=lambda item: item[1])
-        yield f"step = {step:g} makes at most {percent(largest)} of an RMSE ({label(estimator)} {quantity})"
+        yield f"error of the step {step:g}: at most {percent(largest)} of an RMSE ({label(estimator)} {quantity})"
     if any(error >= SHOWN_FROM for each in errors.values() for error in each.values()):
-        yield f"{_BY_STEP}: what it makes of the number above, from {percent(SHOWN_FROM)} on"
+        yield f"{_BY_STEP}: that error as part of the number above it, from {percent(SHOWN_FROM)} on"
 
 
 def _worse(dataset: xr.Dataset, estimator: str, quantity: str) -> bool:
