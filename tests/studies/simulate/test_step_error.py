@@ -125,4 +125,3 @@ def test_errors_of_numbers_and_of_none(at_h: float, at_half: float, error: float
     found = step_error(at_h, at_half)
     np.testing.assert_array_equal(found, error)
     np.testing.assert_array_equal(relative(found, at_h), fraction)
-
