@@ -46,7 +46,7 @@ def test_the_step_resolves_a_tendon_that_goes_taut_again(scenario: str, duration
 
 
 @pytest.mark.parametrize("scenario", shipped())
-def test_a_last_digit_of_the_start_stays_one(scenario: str) -> None:
+def test_a_difference_at_the_start_hardly_grows(scenario: str) -> None:
     """10⁻¹⁰ grows by 100 at most, so rounding, 4·10⁻¹⁶ of a length, stays below 10⁻¹³ however it falls."""
     first = prepare(scenario, None, {})
     other = prepare(scenario, None, {"initial.x3": first.value("initial.x3") + 1e-10})
