@@ -24,7 +24,7 @@ from ..sweep.plan import MANY_RUNS, plan
 from ..sweep.run import engine, sweep_planned
 from .options import observer_option, over_option, scenario_argument, set_option, whole_option
 from .pace import Pace
-from .reports.sweep import notes, tables
+from .reports.sweep import notes, step_table, tables
 from .stopping import Stopped
 from .terminal import NUMERICAL, bar, counting, print_table
 
@@ -92,7 +92,7 @@ def sweep(
         written = "" if path is None else _written(dataset, path, no_figures)
         for note in (*pace.sentences(), *notes(dataset)):
             click.echo(escaped(note))
-        for table in tables(dataset):
+        for table in (*tables(dataset), *step_table(dataset)):
             print_table(table)
         if written:
             click.echo(written)

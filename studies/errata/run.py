@@ -98,7 +98,7 @@ def errata(progress: Progress = unseen) -> list[Result]:
         *((_tracking, variant) for variant in variants(CONTROLLER)),
         *((_estimation, variant) for variant in variants(OBSERVER)),
     ]
-    parts = shares(progress, len(runs))
+    parts = shares(progress, [1] * len(runs))
     results = [study(variant, part) for (study, variant), part in zip(runs, parts, strict=True)]
     return [*results, *joints()]
 

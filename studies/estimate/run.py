@@ -69,9 +69,9 @@ def estimate(
     paths = paths_of(bank.observers)
     settings = _settings(corrected, changes or {}, keep_every, paths, chosen)
     if isinstance(recording, Recording):
-        parts, read = shares(progress or unseen, len(chosen)), recording
+        parts, read = shares(progress or unseen, [1] * len(chosen)), recording
     else:
-        parts = shares(progress or unseen, 1 + len(chosen))
+        parts = shares(progress or unseen, [1] * (1 + len(chosen)))
         read = read_recording(recording, mapping, next(parts))
     _check_size(len(read), keep_every, len(chosen))
     compiled = compiled_bank(bank)

@@ -19,10 +19,16 @@ from ..scenarios.scenario import CHOICES
 from .conditions import gain_conditions
 from .failures import observer_failure, plant_failure
 from .measures import SENTENCES, measures
+from .step_error import about_error, error_of, step_error
 
 
-def dataset(prepared: Prepared, traces: Mapping[str, Trace], library: str) -> xr.Dataset:
-    """The Dataset that `simulate` describes; `library` names the code that ran."""
+def dataset(
+    prepared: Prepared, traces: Mapping[str, Trace], halved: Mapping[str, Mapping[str, float]], library: str
+) -> xr.Dataset:
+    """The Dataset that `simulate` describes.
+
+    halved: the score of each estimator in the same run at half the step; library: names the code that ran.
+    """
     loop, grid = prepared.loop, prepared.grid
     truth, n = traces["truth"], grid.steps // grid.record + 1
     signal = dict(zip(loop.truth.y, truth.y.T, strict=True))
@@ -60,9 +66,13 @@ def dataset(prepared: Prepared, traces: Mapping[str, Trace], library: str) -> xr
     if truth.failure:  # the sums stop with the truth, they are no measures of the run
         scores = {name: dict.fromkeys(sums, np.nan) for name, sums in scores.items()}
     errors = {name: measures(sums, grid) for name, sums in scores.items()}
+    finer = {name: measures(sums, grid.halved()) for name, sums in halved.items()}
     for measure, sentence in SENTENCES.items():
-        values = np.array([[errors[e][measure][q] for q in QUANTITIES] for e in estimators])
+        values, at_half = (
+            np.array([[of[e][measure][q] for q in QUANTITIES] for e in estimators]) for of in (errors, finer)
+        )
         data[measure] = (("estimator", "quantity"), values, about(sentence))
+        data[error_of(measure)] = (("estimator", "quantity"), step_error(values, at_half), about_error(measure))
     time = np.arange(n) * (grid.record * grid.h)
     coordinates = {
         "time": ("time", time, about("time τ")),

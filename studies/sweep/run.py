@@ -28,6 +28,7 @@ from .computing import Compute, SweepWarning, on_threads
 from .dataset import sweep_dataset
 from .parts import Parts
 from .plan import Plan, plan
+from .points import compute_at_half_step
 
 
 def sweep(
@@ -62,7 +63,8 @@ def sweep(
 
     The Dataset has rmse, peak, settling, chattering (…, seed, observer, quantity), failed_at (…, seed, observer) and
     plant_failed_at (…, seed): the time of a failure or NaN; after one, measures are NaN. failure and plant_failure say
-    what failed, as an index into the attribute flag_meanings; 0 is none. Everything is dimensionless.
+    what failed, as an index into the attribute flag_meanings; 0 is none. Of the runs `sampled`, spread evenly, it has
+    the `…_step_error` of each measure (sampled, observer, quantity), as `simulate` has. Everything is dimensionless.
     ScenarioError for what cannot be run, ResultError for `out`, BuildError if nothing can be compiled, ClusterError for
     a cluster that is not there, lost, or of other code.
     """
@@ -138,8 +140,9 @@ def _computed(
                 parts.write(part, fresh)
             done += len(fresh)
             progress(done, plan.runs)
+    halved = compute_at_half_step(plan, compiled, plan.sample())
     truth = recorded(plan.prepared, compiled)[compiled.loop.truth.name]
-    return sweep_dataset(plan, rows, truth, identity, compiled)
+    return sweep_dataset(plan, rows, halved, truth, identity, compiled)
 
 
 def _earlier(out: Path) -> xr.Dataset | None:

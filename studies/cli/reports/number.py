@@ -19,6 +19,11 @@ def number(value: float) -> str:
     return f"{value:.2g}" if abs(value) < 100 else f"{value:.0f}"
 
 
+def percent(fraction: float) -> str:
+    """Two digits: 0.12 %, 15 %; ∞ if there is no bound."""
+    return "∞" if fraction == math.inf else f"{number(100 * fraction)} %"
+
+
 def counted(count: int, noun: str, plural: str = "") -> str:
     """`1 run`, `1,000 runs`."""
     return f"{count:,} {noun if count == 1 else plural or noun + 's'}"

@@ -104,7 +104,10 @@ def test_what_is_not_asked_for_is_not_scored_and_changes_nothing() -> None:
     every = sweep("paper-noisy", EPS, seeds=3, changes=SHORT)
     few = sweep("paper-noisy", EPS, seeds=3, changes=SHORT, quantities=["Delta", "x2"], measures=["chattering"])
     assert few.quantity.values.tolist() == ["x2", "Delta"]
-    assert [name for name in few.data_vars if "quantity" in few[name].dims] == ["rmse", "chattering"]
+    assert [name for name in few.data_vars if "quantity" in few[name].dims] == [
+        *("rmse", "chattering"),
+        *("rmse_step_error", "chattering_step_error"),
+    ]
     for measure in ("rmse", "chattering"):
         np.testing.assert_allclose(few[measure], every[measure].sel(quantity=few.quantity), rtol=1e-10)
 
