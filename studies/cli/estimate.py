@@ -14,7 +14,6 @@ from ..estimate.run import compile_observers
 from ..estimate.run import estimate as estimated
 from ..estimate.scores import scores
 from ..figures.estimate import save_sheet
-from ..files.quote import escaped
 from ..files.writing import writable_folder
 from ..laboratory.mapping import read_mapping
 from ..laboratory.muscles import read_muscles
@@ -23,7 +22,7 @@ from ..scenarios.layers import Value
 from .options import observer_option, set_option, whole_option
 from .reports.estimate import failures, notes, score_table, timing
 from .reports.written import written
-from .terminal import NUMERICAL, bar, complain, print_table
+from .terminal import NUMERICAL, bar, complain, print_table, say
 
 
 @click.command()
@@ -69,18 +68,16 @@ def estimate(
 
         dataset = estimated(read, pair, observers or None, None, not uncorrected, changes, every, advance)
     reading, building, following = (after - before for before, after in itertools.pairwise(times))
-    for note in notes(dataset):
-        click.echo(escaped(note))
-    click.echo(timing(dataset, reading, building, following))
+    say(*notes(dataset), timing(dataset, reading, building, following))
     known = scores(dataset)
     if known:
-        click.echo()
+        say("")
         print_table(score_table(known))
     with bar("writing"):
         paths = save_estimates(dataset, known, folder)
         if not no_figures:
             paths += save_sheet(dataset, folder, "estimates")
-    click.echo(written(paths))
+    say(written(paths))
     ended = list(failures(dataset))
     for sentence in ended:
         complain(sentence)

@@ -15,6 +15,7 @@ from ..files.errors import ResultError
 from ..files.netcdf import load
 from ..files.writing import writable_folder
 from .reports.written import written
+from .terminal import say
 
 
 @click.command()
@@ -33,13 +34,13 @@ def figures(result: Path, out: Path | None) -> None:
     else:
         paths = (save_figures if "x_hat" in dataset else save_sheet)(dataset, folder, result.stem)
     if sentence:
-        click.echo(sentence)
+        say(sentence)
     if paths:
-        click.echo(written(paths))
+        say(written(paths))
 
 
 @click.command()
 @click.option("--out", type=click.Path(path_type=Path), default=Path("results"), help="Where the figure is written.")
 def curves(out: Path) -> None:
     """Draw the muscle's curves of every publication side by side; `list curves` describes them."""
-    click.echo(written(write_figures({"sets": curve_figure()}, writable_folder(out), "curves")))
+    say(written(write_figures({"sets": curve_figure()}, writable_folder(out), "curves")))

@@ -11,7 +11,7 @@ from typing import TextIO
 
 import click
 
-from .terminal import USAGE, complain, user_errors
+from .terminal import USAGE, complain, say, user_errors
 
 _INTERRUPTED, _READER_GONE = 130, 141
 
@@ -59,7 +59,7 @@ class _Commands(click.Group):
 def commands(ctx: click.Context) -> None:
     """Observers for a pair of Hill muscles: states, unknown inputs and activations."""
     if ctx.invoked_subcommand is None:
-        click.echo(ctx.get_help())
+        say(*ctx.get_help().split("\n"))
 
 
 def main() -> None:

@@ -18,7 +18,7 @@ from ...observers.score import MEASURES
 from ..figures.sweep.figures import save_sweep_figures
 from ..files.errors import ClusterError, ScenarioError
 from ..files.numbers import whole_number
-from ..files.quote import escaped, shown
+from ..files.quote import shown
 from ..files.writing import writable_folder
 from ..scenarios.layers import Value
 from ..sweep.axes import DESIGNS, Values
@@ -27,7 +27,7 @@ from ..sweep.run import engine, sweep_planned
 from .options import observer_option, over_option, scenario_argument, set_option, whole_option
 from .pace import Pace
 from .reports.sweep import notes, tables
-from .terminal import NUMERICAL, bar, complain, counting, print_table
+from .terminal import NUMERICAL, bar, complain, counting, print_table, say
 
 # a shell adds the number of the signal
 _INTERRUPTED = 128
@@ -96,12 +96,11 @@ def sweep(
                 dataset = sweep_planned(planned, path, compute, target or usual, progress)
             except ClusterError as error:
                 raise ClusterError(f"{error}{_kept(out)}") from error
-        for note in (*pace.sentences(), *notes(dataset)):
-            click.echo(escaped(note))
+        say(*pace.sentences(), *notes(dataset))
         for table in tables(dataset):
             print_table(table)
         if path is not None:
-            click.echo(_written(dataset, path, no_figures))
+            say(*_written(dataset, path, no_figures))
     if dataset.failed_at.notnull().any() or dataset.plant_failed_at.notnull().any():
         sys.exit(NUMERICAL)
 
@@ -118,15 +117,15 @@ def _kind(zipped: bool, design: str | None) -> tuple[str, int]:
     return kind, whole_number("--design", samples, 0)
 
 
-def _written(dataset: xr.Dataset, path: Path, no_figures: bool) -> str:
+def _written(dataset: xr.Dataset, path: Path, no_figures: bool) -> list[str]:
     """Draw the figures beside the result, and say where both are."""
-    written = escaped(f"written to {path}")
+    written = f"written to {path}"
     if no_figures:
-        return written
+        return [written]
     with bar("drawing"):
         drawn, sentence = save_sweep_figures(dataset, path.parent, path.stem)
     names = "".join(f", {figure.name} and .pdf" for figure in drawn if figure.suffix == ".png")
-    return f"{sentence}\n{written}{names}".lstrip()
+    return [*filter(None, [sentence]), f"{written}{names}"]
 
 
 @contextlib.contextmanager

@@ -14,7 +14,7 @@ from ...model.curves import CURVES, NGUYEN2019_PRINTED, Curves, CurveSet
 from ...model.symbols import MUSCLES
 from ..files.errors import ScenarioError, TomlError
 from ..files.numbers import within
-from ..files.quote import short, shown
+from ..files.quote import short, shown, text
 from ..files.toml import read_toml
 from .curves import SUFFIX, read_curves, tabulated_curves
 
@@ -87,9 +87,7 @@ def muscle_pair(content: Mapping[str, object], folder: Path = Path()) -> MuscleP
     """
     sections = {name: _section(content, name) for name in (_BOTH, *MUSCLES)}
     _refuse_unknown(content, [*PAIR, "description", *sections], "")
-    description = content.get("description", "")
-    if not isinstance(description, str):
-        raise ScenarioError(f"description must be a text, not {shown(description)}")
+    description = text("description", content.get("description", ""))
     # key → value and path, those of one muscle before those of both
     given = {
         name: {key: (value, f"{place}.{key}") for place in (_BOTH, name) for key, value in sections[place].items()}

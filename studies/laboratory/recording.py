@@ -12,7 +12,7 @@ import numpy as np
 from ...model.arrays import Array
 from ..files.errors import RecordingError
 from ..files.progress import Progress, unseen
-from ..files.quote import ranges
+from ..files.quote import escaped, ranges
 from .cells import Cells, Rows
 from .columns import REQUIRED, choose
 from .header import read_header
@@ -93,7 +93,7 @@ def _read(path: Path, mapping: Mapping[str, str], progress: Progress) -> Recordi
     known = {column.name: column.unit.to_SI(samples.column(i)) for i, column in enumerate(columns)}
     inputs = _inputs(known, mapping)
     return Recording(
-        path.name,
+        escaped(path.name),
         known.pop("time"),
         **inputs,
         true=known,

@@ -12,8 +12,8 @@ from ...model.pair import DRIVES
 from ...model.symbols import MUSCLES
 from ..files.errors import ScenarioError
 from ..files.numbers import parse_number, within
-from ..files.quote import shown
-from .layers import Layer, Value, text
+from ..files.quote import shown, text
+from .layers import Layer, Value
 from .paths import Paths
 
 _LARGEST_SEED = 2**64 - 1

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import click
-
 from ...figures.page import write_figures
 from ...figures.sweep.curves import curves
 from ...figures.sweep.figures import SHOWN, sweep_figures
@@ -14,7 +12,7 @@ from ...files.writing import writable_folder
 from ...sweep.axes import Range
 from ...sweep.run import sweep
 from ..reports.sweep import notes, tables
-from ..terminal import print_table, user_errors
+from ..terminal import print_table, say, user_errors
 
 _TRIO = {
     "high_gain.eps_h": Range(0.02, 0.5, 25, logarithmic=True),
@@ -42,15 +40,14 @@ def main() -> None:
             for dataset, suffix in ((clean, "clean"), (noisy, "noisy")):
                 save_netcdf(dataset, folder / f"{name}-{suffix}.nc")
             write_figures({"trade-off": curves(noisy, SHOWN, clean)}, folder, name)
-            click.echo(f"{path}, {_SEEDS} seeds, with noise:")
-            for note in notes(noisy):
-                click.echo(note)
+            say(f"{path}, {_SEEDS} seeds, with noise:")
+            say(*notes(noisy))
             for table in tables(noisy):
                 print_table(table)
         dataset = sweep("paper-noisy", _MAP, seeds=_MAP_SEEDS)
         save_netcdf(dataset, folder / "sweep-eps_h-noise.nc")
         write_figures(sweep_figures(dataset)[0], folder, "sweep-eps_h-noise")
-        click.echo(f"written to {folder}/")
+        say(f"written to {folder}/")
 
 
 if __name__ == "__main__":
