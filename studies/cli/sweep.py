@@ -17,7 +17,7 @@ from ...model.symbols import QUANTITIES
 from ...observers.score import MEASURES
 from ..figures.sweep.figures import save_sweep_figures
 from ..files.errors import ClusterError, ScenarioError
-from ..files.numbers import whole_number
+from ..files.numbers import typed_whole
 from ..files.quote import shown
 from ..files.writing import writable_folder
 from ..scenarios.layers import Value
@@ -114,7 +114,7 @@ def _kind(zipped: bool, design: str | None) -> tuple[str, int]:
     kind, colon, samples = design.partition(":")
     if kind not in DESIGNS or not colon:
         raise ScenarioError(f"--design must be {' or '.join(f'{name}:N' for name in DESIGNS)}, not {shown(design)}")
-    return kind, whole_number("--design", samples, 0)
+    return kind, typed_whole("--design", samples, 0)
 
 
 def _written(dataset: xr.Dataset, path: Path, no_figures: bool) -> list[str]:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from typing import Any
 
 from .errors import ScenarioError
 
@@ -31,6 +32,15 @@ def text(what: str, value: object) -> str:
     if _NO_TEXT.search(value):
         raise ScenarioError(f"{what} must be a text of whole characters without \\0, not {shown(value)}")
     return value
+
+
+def table(what: str, value: object) -> dict[str, Any]:
+    """`value` as a dict whose keys are texts. ScenarioError if it is none."""
+    if not isinstance(value, Mapping):
+        raise ScenarioError(f"{what} must be a dict, not {shown(value)}")
+    if odd := [key for key in value if not isinstance(key, str)]:
+        raise ScenarioError(f"a name in {what} must be a text such as plant.m, not {shown(odd[0])}")
+    return dict(value)
 
 
 def short(text: str) -> str:

@@ -11,7 +11,7 @@ from importlib import resources
 from pathlib import Path
 
 from ..files.errors import ScenarioError, TomlError
-from ..files.quote import short, shown, text
+from ..files.quote import short, shown, table, text
 from ..files.toml import read_toml
 
 _SHIPPED = "hillobs.studies.scenarios"
@@ -53,7 +53,7 @@ def layers(source: str | Path, changes: Mapping[str, Value]) -> tuple[str, list[
 
     ScenarioError if there is no such scenario, or the file cannot be read.
     """
-    name, top = str(source), Layer("", changes)
+    name, top = str(source), Layer("", table("changes", changes))
     if name in shipped():
         return name, [_shipped_layer(name), top]
     path = Path(name)

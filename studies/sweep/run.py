@@ -17,6 +17,7 @@ from ...model.symbols import QUANTITIES
 from ...observers.score import MEASURES
 from ..files.errors import ResultError, ScenarioError
 from ..files.netcdf import LARGEST_RESULT, load, save_netcdf
+from ..files.numbers import whole
 from ..files.progress import CountedProgress, unseen
 from ..scenarios.layers import Value
 from ..simulate.run import recorded
@@ -76,6 +77,8 @@ def sweep(
 @contextlib.contextmanager
 def engine(workers: int | None, cluster: str | None) -> Iterator[tuple[Compute, str]]:
     """What computes parts, here or on a cluster, and the target that goes with it."""
+    if workers is not None:
+        workers = whole("workers", workers, 1)
     if cluster is None:
         yield on_threads(workers), NATIVE
         return
