@@ -114,10 +114,10 @@ def read_muscles(path: str | Path) -> MusclePair:
         raise ScenarioError(f"{path}: {error}") from error
 
 
-def muscle_pair(content: Mapping[str, object], folder: Path = Path()) -> MusclePair:
+def muscle_pair(content: Mapping[str, object], folder: Path | None = Path()) -> MusclePair:
     """The muscles of a TOML document: mass, C, [muscle1], [muscle2], or [muscle] for both. ScenarioError as above.
 
-    folder: where files of curves are looked for.
+    folder: where files of curves are looked for; None if there must be none.
     """
     sections = {name: _section(content, name) for name in (_BOTH, *MUSCLES)}
     _refuse_unknown(content, [*PAIR, "description", *sections], "")
@@ -167,7 +167,7 @@ def _refuse_unknown(given: Iterable[str], known: list[str], prefix: str) -> None
             )
 
 
-def _curves(muscle: str, given: Mapping[str, tuple[object, str]], folder: Path) -> CurveSet:
+def _curves(muscle: str, given: Mapping[str, tuple[object, str]], folder: Path | None) -> CurveSet:
     # the printed toe jumps: no muscle has it
     names = [name for name in CURVES if name != NGUYEN2019_PRINTED.name]
     if "curves" not in given:
@@ -176,7 +176,7 @@ def _curves(muscle: str, given: Mapping[str, tuple[object, str]], folder: Path) 
     try:
         if isinstance(value, dict):
             return tabulated_curves(value)
-        if isinstance(value, str) and value.endswith(SUFFIX):
+        if isinstance(value, str) and value.endswith(SUFFIX) and folder is not None:
             return read_curves(folder / value)
     except ScenarioError as error:
         raise ScenarioError(f"{path}: {error}") from error

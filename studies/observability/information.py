@@ -15,7 +15,7 @@ from ...model.block import Block
 
 # information below this part of the largest is rounding, and so is a coordinate that has this share of it
 _ROUNDING, _SHARE = 1e-13, 1e-6
-# |λ|h at which RK4 is stable for every λ to the left but near 0 (2.6 at 135°, 2.8 on the axes); more steps take a minute
+# |λ|h at which RK4 is stable (2.6 where it is least, 2.8 on both axes); more steps take a minute
 _STABLE, _MOST_STEPS = 2.5, 20_000
 
 

@@ -27,6 +27,7 @@ from .computing import Compute, on_threads
 from .dataset import sweep_dataset
 from .parts import Parts
 from .plan import Plan, plan
+from .schema import check_sweep
 
 
 class SweepWarning(UserWarning):
@@ -157,5 +158,9 @@ def _complete(out: Path, identity: str, plan: Plan, progress: CountedProgress) -
     result = load(out)
     if result.attrs.get("identity") != identity:
         raise ResultError(f"{out} is there already, and is the result of something else; name another --out")
+    try:
+        check_sweep(result)
+    except ResultError as error:
+        raise ResultError(f"{out} is there already, and cannot be used: {error}") from error
     progress(plan.runs, plan.runs)
     return result
