@@ -90,8 +90,9 @@ def _attribute(dataset: xr.Dataset, name: str, form: Any) -> Any:  # noqa: ANN40
 def _has_form(value: object, form: Any) -> bool:  # noqa: ANN401 — a type such as dict[str, float]
     """Whether a value of JSON is of a type; float stands for every finite number, a table of types for its names."""
     if isinstance(form, dict):
-        same = isinstance(value, dict) and value.keys() == form.keys()
-        return same and all(_has_form(value[key], form[key]) for key in form)
+        if not isinstance(value, dict) or value.keys() != form.keys():
+            return False
+        return all(_has_form(value[key], form[key]) for key in form)
     if get_origin(form) is dict:
         return isinstance(value, dict) and all(_has_form(inner, get_args(form)[1]) for inner in value.values())
     if get_origin(form) is list:

@@ -13,6 +13,9 @@ from ..files.quote import shown
 from ..files.schema import FLAGS, FLOATS, TEXTS, WHOLES, Schema
 from .axes import KINDS
 
+# the square of a larger one is no number
+_LARGEST_ERROR = 1e150
+
 # what every sweep has, whatever its axes
 _ALWAYS = Schema(
     variables={"seed": (("seed",), WHOLES), "observer": (("observer",), TEXTS), "quantity": (("quantity",), TEXTS)},
@@ -59,8 +62,10 @@ def check_sweep(dataset: xr.Dataset) -> None:
         raise ResultError(f"its quantity must be some of {', '.join(QUANTITIES)}, and it needs a run")
     for path in paths:
         _check_axis(dataset, path, kind)
-    for name in ("failure", "plant_failure"):
-        _check_causes(dataset[name])
+    if not (np.isnan(dataset.rmse.values) | (np.abs(dataset.rmse.values) <= _LARGEST_ERROR)).all():
+        raise ResultError("its rmse has numbers that are no errors")
+    _check_failures(dataset.failed_at, dataset.failure)
+    _check_failures(dataset.plant_failed_at, dataset.plant_failure)
 
 
 def _check_axis(dataset: xr.Dataset, path: str, kind: str) -> None:
@@ -73,8 +78,10 @@ def _check_axis(dataset: xr.Dataset, path: str, kind: str) -> None:
         raise ResultError(f"its values of {shown(path)} are none that can be swept")
 
 
-def _check_causes(causes: xr.DataArray) -> None:
-    """Each is a place in the list of names beside it."""
+def _check_failures(times: xr.DataArray, causes: xr.DataArray) -> None:
+    """What failed at a time has a cause, a place in the list of names."""
     names = causes.attrs.get("flag_meanings")
     if not isinstance(names, str) or causes.min() < 0 or causes.max() >= len(names.split()):
         raise ResultError(f"its {causes.name} names no cause")
+    if not ((causes.values > 0) == np.isfinite(times.values)).all() or np.isinf(times.values).any():
+        raise ResultError(f"its {times.name} and {causes.name} contradict each other")
