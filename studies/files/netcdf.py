@@ -72,7 +72,7 @@ def _dataset(content: bytes) -> xr.Dataset:
 def _netcdf(dataset: xr.Dataset) -> bytes:
     """The file in memory, every variable compressed; readers of HDF5 pass over the seal behind it."""
     encoding = {
-        str(name): {"zlib": True, "complevel": 1, **({"dtype": "S1"} if variable.dtype.kind == "U" else {})}
+        str(name): {"zlib": True, "complevel": 1, **({"dtype": "S1"} if variable.dtype.kind in "UO" else {})}
         for name, variable in dataset.variables.items()
     }
     # before HDF5 sees it, which reads damage as other numbers or without end, the seal is checked

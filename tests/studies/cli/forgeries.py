@@ -74,11 +74,6 @@ def mutations(good: xr.Dataset) -> Iterator[tuple[str, Mutation]]:
             yield f"{name}.{key} = {value}", lambda d, n=name, k=key, v=value: _about(d, n, k, v)
 
 
-def forged(dataset: xr.Dataset) -> bytes:
-    """A Dataset as a file of ours."""
-    return sealed(bytes(dataset.to_netcdf(engine="h5netcdf")))
-
-
 def rebuilt(content: bytes, change: Callable[[h5py.File], None]) -> bytes:
     """The HDF5 file in `content` after `change`, sealed."""
     file = io.BytesIO(content)
