@@ -23,6 +23,7 @@ from ..files.quote import shown, table
 from ..laboratory.gaps import bridged, refuse_impossible, refuse_long_steps
 from ..laboratory.muscles import MusclePair, read_muscles
 from ..laboratory.recording import Recording, read_recording
+from ..laboratory.samples import MOST_NUMBERS
 from ..laboratory.scales import scales
 from ..scenarios.layers import Value
 from ..scenarios.paths import Paths, paths_of
@@ -109,7 +110,7 @@ def _settings(
     corrected: bool, changes: Mapping[str, Value], keep_every: int, paths: Paths, chosen: Mapping[str, Observer]
 ) -> Settings:
     """What was asked for, checked before anything is read. ScenarioError says what is wrong."""
-    keep_every = whole("keep_every", keep_every, 1)
+    keep_every = whole("keep_every", keep_every, 1, MOST_NUMBERS)
     numbers: dict[str, float] = {}
     for path, value in table("changes", changes).items():
         if path.partition(".")[0] not in chosen:

@@ -109,7 +109,7 @@ def checked_number(path: str, value: object, paths: Paths) -> float:
 
 
 def _is_empty_section(path: str, value: object, paths: Paths) -> bool:
-    return value == {} and paths.is_section(path)
+    return isinstance(value, dict) and not value and paths.is_section(path)
 
 
 def _choice(path: str, value: object) -> str:

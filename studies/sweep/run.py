@@ -29,6 +29,9 @@ from .parts import Parts
 from .plan import Plan, plan
 from .schema import check_sweep
 
+# no machine has so many cores
+_MOST_WORKERS = 10_000
+
 
 class SweepWarning(UserWarning):
     """Something about a sweep that is mended, and should be known."""
@@ -79,7 +82,7 @@ def sweep(
 def engine(workers: int | None, cluster: str | None) -> Iterator[tuple[Compute, str]]:
     """What computes parts, here or on a cluster, and the target that goes with it."""
     if workers is not None:
-        workers = whole("workers", workers, 1)
+        workers = whole("workers", workers, 1, _MOST_WORKERS)
     if cluster is None:
         yield on_threads(workers), NATIVE
         return
