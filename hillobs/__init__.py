@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from .model.block import Block, BlockError, Parameter, Symbols, symbols
     from .model.errors import Error
     from .studies.conformance import conformance
-    from .studies.estimate.dataset import arguments
     from .studies.estimate.run import estimate
+    from .studies.estimate.schema import arguments
     from .studies.files.errors import ClusterError, RecordingError, ResultError, ScenarioError
     from .studies.files.netcdf import load
     from .studies.files.versions import __version__
@@ -38,8 +38,8 @@ _NAMES = {
     ".model.block": ("Block", "BlockError", "Parameter", "Symbols", "symbols"),
     ".model.errors": ("Error",),
     ".studies.conformance": ("conformance",),
-    ".studies.estimate.dataset": ("arguments",),
     ".studies.estimate.run": ("estimate",),
+    ".studies.estimate.schema": ("arguments",),
     ".studies.files.errors": ("ClusterError", "RecordingError", "ResultError", "ScenarioError"),
     ".studies.files.netcdf": ("load",),
     ".studies.files.versions": ("__version__",),

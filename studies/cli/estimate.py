@@ -16,7 +16,6 @@ from ..estimate.run import estimate as estimated
 from ..estimate.scores import scores
 from ..figures.estimate import SHEET, save_sheet
 from ..figures.page import figure_paths
-from ..files.quote import escaped
 from ..files.writing import writable_folder
 from ..laboratory.mapping import read_mapping
 from ..laboratory.muscles import read_muscles
@@ -25,7 +24,7 @@ from ..scenarios.layers import Value
 from .options import observer_option, set_option, whole_option
 from .reports.estimate import failures, notes, score_table, timing
 from .reports.written import written
-from .terminal import NUMERICAL, bar, complain, print_table
+from .terminal import NUMERICAL, bar, complain, print_table, say
 
 # what the figures begin with
 _STEM = "estimates"
@@ -82,13 +81,11 @@ def estimate(
         paths = save_estimates(dataset, known, folder)
         if not no_figures:
             paths += save_sheet(dataset, folder, _STEM)
-    for note in notes(dataset):
-        click.echo(escaped(note))
-    click.echo(timing(dataset, reading, building, following))
+    say(*notes(dataset), timing(dataset, reading, building, following))
     if known:
-        click.echo()
+        say("")
         print_table(score_table(known))
-    click.echo(written(paths))
+    say(written(paths))
     ended = list(failures(dataset))
     for sentence in ended:
         complain(sentence)

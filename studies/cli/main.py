@@ -12,7 +12,7 @@ from typing import TextIO
 import click
 
 from ..files.reading import remembered_reading
-from .terminal import USAGE, complain, user_errors
+from .terminal import USAGE, complain, say, user_errors
 
 _READER_GONE = 141
 
@@ -60,7 +60,7 @@ class _Commands(click.Group):
 def commands(ctx: click.Context) -> None:
     """Observers for a pair of Hill muscles: states, unknown inputs and activations."""
     if ctx.invoked_subcommand is None:
-        click.echo(ctx.get_help())
+        say(*ctx.get_help().split("\n"))
 
 
 def main() -> None:

@@ -27,7 +27,7 @@ from ..scenarios.prepare import prepare
 from .options import scenario_argument, set_option, whole_option
 from .reports.observability import answer_as_json, answer_table, details, ranks_along, ranks_over, summary
 from .reports.written import written
-from .terminal import bar, print_table
+from .terminal import bar, print_table, say
 
 # a rank that is not full is no failure, but a script must see it
 _DEFICIENT = 1
@@ -78,12 +78,11 @@ def observability(
         writable_folder(folder)
         refuse_overwriting(path for key in keys for path in _paths(folder, stem, key))
     if as_json:
-        click.echo(answer_as_json(question, here, limit))
+        say(*answer_as_json(question, here, limit).split("\n"))
     else:
-        click.echo(summary(question, here) + "\n")
+        say(summary(question, here), "")
         print_table(answer_table(question, here))
-        for sentence in details(here, limit):
-            click.echo(sentence)
+        say(*details(here, limit))
     if order is None:
         # orders beyond those that add rank at the point would only cost the compiler time
         enough = max(_LEAST_ORDER, here.verdict.ranks.index(here.verdict.rank))
@@ -92,12 +91,12 @@ def observability(
         with bar("along the run") as advance:
             data = rank_along(prepared, question, limit, advance)
             paths = _write(data, along_figure(data), folder, stem, "along")
-        click.echo(f"along the run, {ranks_along(data)}\n{written(paths)}", err=as_json)
+        say(f"along the run, {ranks_along(data)}", written(paths), err=as_json)
     if axes is not None:
         with bar("over the map") as advance:
             data = over(question, names, here.point, tolerance=limit, progress=advance)
             paths = _write(data, map_figure(data, question), folder, stem, _map_key(names))
-        click.echo(f"over the map, {ranks_over(data)}\n{written(paths)}", err=as_json)
+        say(f"over the map, {ranks_over(data)}", written(paths), err=as_json)
     sys.exit(0 if here.verdict.full else _DEFICIENT)
 
 

@@ -11,7 +11,6 @@ import xarray as xr
 
 from ..figures.page import figure_paths
 from ..figures.run import FIGURES, save_figures
-from ..files.quote import escaped
 from ..files.writing import refuse_overwriting, writable_folder
 from ..scenarios.layers import Value
 from ..scenarios.prepare import prepare
@@ -21,7 +20,7 @@ from ..simulate.run import RunWarning, simulate_prepared
 from .options import observer_option, scenarios_argument, set_option
 from .reports.simulate import failures, notes, tables
 from .reports.written import written
-from .terminal import NUMERICAL, bar, complain, print_table
+from .terminal import NUMERICAL, bar, complain, print_table, say
 
 _PAPER = ("paper-clean", "paper-noisy")
 
@@ -66,7 +65,7 @@ def simulate(
             with bar(f"{name}: drawing"):
                 paths += save_figures(dataset, folder, name)
         _print_report(dataset)
-        click.echo(written(paths) + "\n")
+        say(written(paths), "")
         for sentence in failures(dataset):
             complain(sentence)
             failed = True
@@ -76,9 +75,8 @@ def simulate(
 
 def _print_report(dataset: xr.Dataset) -> None:
     about = dataset.attrs
-    click.echo(escaped(f"{about['scenario']}, seed {about['seed']}: {about['description']}") + "\n")
+    say(f"{about['scenario']}, seed {about['seed']}: {about['description']}", "")
     for title, table in tables(dataset):
-        click.echo(title)
+        say(title)
         print_table(table)
-    for note in notes(dataset):
-        click.echo(note)
+    say(*notes(dataset))

@@ -15,7 +15,7 @@ from ...model.symbols import QUANTITIES
 from ...observers.score import MEASURES
 from ..figures.sweep.figures import save_sweep_figures, sweep_figure_paths
 from ..files.errors import ClusterError, ScenarioError
-from ..files.numbers import whole_number
+from ..files.numbers import typed_whole
 from ..files.quote import escaped, shown
 from ..files.writing import refuse_overwriting, writable_folder
 from ..scenarios.layers import Value
@@ -26,7 +26,7 @@ from .options import observer_option, over_option, scenario_argument, set_option
 from .pace import Pace
 from .reports.sweep import notes, step_table, tables
 from .stopping import Stopped
-from .terminal import NUMERICAL, bar, counting, print_table
+from .terminal import NUMERICAL, bar, counting, print_table, say
 
 
 @click.command()
@@ -89,13 +89,11 @@ def sweep(
                 dataset = sweep_planned(planned, path, compute, target or usual, pace)
             except ClusterError as error:
                 raise ClusterError("; ".join([str(error), *_kept(out)])) from error
-        written = "" if path is None else _written(dataset, path, no_figures)
-        for note in (*pace.sentences(), *notes(dataset)):
-            click.echo(escaped(note))
+        written = [] if path is None else _written(dataset, path, no_figures)
+        say(*pace.sentences(), *notes(dataset))
         for table in (*tables(dataset), *step_table(dataset)):
             print_table(table)
-        if written:
-            click.echo(written)
+        say(*written)
     if dataset.failed_at.notnull().any() or dataset.plant_failed_at.notnull().any():
         sys.exit(NUMERICAL)
 
@@ -109,18 +107,18 @@ def _kind(zipped: bool, design: str | None) -> tuple[str, int]:
     kind, colon, samples = design.partition(":")
     if kind not in DESIGNS or not colon:
         raise ScenarioError(f"--design must be {' or '.join(f'{name}:N' for name in DESIGNS)}, not {shown(design)}")
-    return kind, whole_number("--design", samples, 0)
+    return kind, typed_whole("--design", samples, 0)
 
 
-def _written(dataset: xr.Dataset, path: Path, no_figures: bool) -> str:
+def _written(dataset: xr.Dataset, path: Path, no_figures: bool) -> list[str]:
     """Draw the figures beside the result, and say where both are."""
-    result = escaped(f"written to {path}")
+    written = f"written to {path}"
     if no_figures:
-        return result
+        return [written]
     with bar("drawing"):
         drawn, sentence = save_sweep_figures(dataset, path.parent, path.stem)
     names = "".join(f", {figure.name} and .pdf" for figure in drawn if figure.suffix == ".png")
-    return f"{sentence}\n{result}{names}".lstrip()
+    return [*filter(None, [sentence]), f"{written}{names}"]
 
 
 @contextlib.contextmanager

@@ -18,7 +18,7 @@ from ...model.skeleton import lengths
 from ...model.symbols import STATES, hat
 from ...observers.conditions import Checked
 from ..files.versions import versions
-from ..laboratory.muscles import muscle_file, muscle_pair
+from ..laboratory.muscles import muscle_file
 from ..simulate.failures import observer_failure
 from .case import Case, Result
 
@@ -36,7 +36,7 @@ TRUE: Mapping[str, tuple[str, str]] = {
     "activation": ("1", "true activations"),
     "excitation": ("1", "true excitations"),
 }
-_PER_MUSCLE = ("force", "tendon_length", "fibre_length", "fibre_velocity", "activation", "excitation")
+PER_MUSCLE = ("force", "tendon_length", "fibre_length", "fibre_velocity", "activation", "excitation")
 
 
 def estimate_dataset(case: Case, results: Mapping[str, Result], library: str) -> xr.Dataset:
@@ -97,7 +97,7 @@ def estimate_dataset(case: Case, results: Mapping[str, Result], library: str) ->
         "muscle_file": ((), np.array(json.dumps(muscle_file(case.pair))), {"long_name": "the muscles in SI, as JSON"}),
     }
     for name, (unit, sentence) in TRUE.items():
-        columns = [f"{name}_{j}" for j in _MUSCLES] if name in _PER_MUSCLE else [name]
+        columns = [f"{name}_{j}" for j in _MUSCLES] if name in PER_MUSCLE else [name]
         if all(column in recording.true for column in columns):
             values = np.stack([recording.true[column][case.kept] for column in columns], axis=-1)
             dims = ("time", "muscle") if len(columns) > 1 else ("time",)
@@ -112,12 +112,6 @@ def estimate_dataset(case: Case, results: Mapping[str, Result], library: str) ->
 
 def _about(unit: str, sentence: str) -> dict[str, str]:
     return {"long_name": sentence, "units": unit}
-
-
-def arguments(dataset: xr.Dataset) -> dict[str, Any]:
-    """What `estimate` needs beside the recording to repeat a result, by the names of its arguments."""
-    muscles = muscle_pair(json.loads(str(dataset.muscle_file.values)))
-    return {"muscles": muscles, "observers": dataset.observer.values.tolist(), **json.loads(dataset.attrs["settings"])}
 
 
 def _manifest(case: Case, results: Mapping[str, Result], library: str) -> dict[str, str]:

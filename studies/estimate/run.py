@@ -17,11 +17,13 @@ from ...model.symbols import MEASURED, hat
 from ...observers import OBSERVERS, PAPER, Observer
 from ...observers.tendons import LENGTHS
 from ..files.errors import RecordingError, ScenarioError
+from ..files.numbers import switch, whole
 from ..files.progress import Progress, shares, unseen
-from ..files.quote import shown
+from ..files.quote import shown, table
 from ..laboratory.gaps import bridged, refuse_impossible, refuse_long_steps
 from ..laboratory.muscles import MusclePair, read_muscles
 from ..laboratory.recording import Recording, read_recording
+from ..laboratory.samples import MOST_NUMBERS
 from ..laboratory.scales import scales
 from ..scenarios.layers import Value
 from ..scenarios.paths import Paths, paths_of
@@ -64,7 +66,7 @@ def estimate(
     """
     chosen = _chosen(observers)
     pair = muscles if isinstance(muscles, MusclePair) else read_muscles(muscles)
-    bank = _bank(pair, corrected, chosen)
+    bank = _bank(pair, switch("corrected", corrected), chosen)
     _refuse_taken(chosen, bank)
     paths = paths_of(bank.observers)
     settings = _settings(corrected, changes or {}, keep_every, paths, chosen)
@@ -73,7 +75,7 @@ def estimate(
     else:
         parts = shares(progress or unseen, [1] * (1 + len(chosen)))
         read = read_recording(recording, mapping, next(parts))
-    _check_size(len(read), keep_every, len(chosen))
+    _check_size(len(read), settings.keep_every, len(chosen))
     compiled = compiled_bank(bank)
     case = _case(read, pair, compiled, paths, settings)
     results = {name: _follow(case, compiled, paths, name, chosen[name], next(parts)) for name in chosen}
@@ -109,10 +111,9 @@ def _settings(
     corrected: bool, changes: Mapping[str, Value], keep_every: int, paths: Paths, chosen: Mapping[str, Observer]
 ) -> Settings:
     """What was asked for, checked before anything is read. ScenarioError says what is wrong."""
-    if keep_every < 1:
-        raise ScenarioError(f"keep_every must be at least 1, not {keep_every}")
+    keep_every = whole("keep_every", keep_every, 1, MOST_NUMBERS)
     numbers: dict[str, float] = {}
-    for path, value in changes.items():
+    for path, value in table("changes", changes).items():
         if path.partition(".")[0] not in chosen:
             raise ScenarioError(
                 f"{shown(path)} is no gain of {', '.join(chosen)}; the muscle file has all other numbers"

@@ -21,6 +21,7 @@ from ...model.arrays import Array
 from ...model.curves.tendon import Tendon, tendon
 from ...model.symbols import MUSCLES, SIGNALS, STATES, hat
 from ...observers import label
+from ..files.quote import drawn
 from ..scenarios.scenario import curves_of
 from . import style
 from .page import above, settings, write_figures
@@ -53,7 +54,7 @@ def _name_changes(figure: Figure, dataset: xr.Dataset) -> None:
     scenario, run = dataset.attrs["scenario"], dataset.attrs.get("run", "")
     if changes := run.removeprefix(scenario).strip(","):
         words = f"{scenario}: {changes.replace(',', ', ').replace('=', ' = ')}"
-        words = textwrap.fill(words, int(_LETTERS * figure.get_figwidth()))
+        words = textwrap.fill(drawn(words), int(_LETTERS * figure.get_figwidth()))
         # above the panels a title would lie on the legend
         if figure.legends:
             figure.legends[0].set_title(words, FontProperties(size=_TITLE))

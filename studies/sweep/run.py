@@ -18,6 +18,7 @@ from ...model.symbols import QUANTITIES
 from ...observers.score import MEASURES
 from ..files.errors import ResultError, ScenarioError
 from ..files.netcdf import LARGEST_RESULT, load, netcdf
+from ..files.numbers import whole
 from ..files.progress import CountedProgress, unseen
 from ..files.reading import cause
 from ..scenarios.layers import Value
@@ -29,6 +30,10 @@ from .dataset import sweep_dataset
 from .parts import Parts
 from .plan import Plan, plan
 from .points import compute_at_half_step
+from .schema import check_sweep
+
+# no machine has so many cores
+_MOST_WORKERS = 10_000
 
 
 def sweep(
@@ -76,6 +81,8 @@ def sweep(
 @contextlib.contextmanager
 def engine(workers: int | None, cluster: str | None) -> Iterator[tuple[Compute, str]]:
     """What computes parts, here or on a cluster, and the target that goes with it."""
+    if workers is not None:
+        workers = whole("workers", workers, 1, _MOST_WORKERS)
     if cluster is None:
         yield on_threads(workers), NATIVE
         return
@@ -162,4 +169,8 @@ def _check_complete(result: xr.Dataset, out: Path, identity: str, plan: Plan, pr
     """ResultError if what is there is not the result of this sweep."""
     if result.attrs.get("identity") != identity:
         raise ResultError(f"{out} is there already, and is the result of something else; name another --out")
+    try:
+        check_sweep(result)
+    except ResultError as error:
+        raise ResultError(f"{out} is there already, and cannot be used: {error}") from error
     progress(plan.runs, plan.runs)

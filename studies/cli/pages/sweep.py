@@ -5,8 +5,6 @@ from __future__ import annotations
 import itertools
 from pathlib import Path
 
-import click
-
 from ....observers import PAPER
 from ...figures.page import figure_paths, write_figures
 from ...figures.sweep.curves import curves
@@ -17,7 +15,7 @@ from ...sweep.axes import Range, axes
 from ...sweep.run import sweep
 from ..reports.sweep import notes, tables
 from ..stopping import stoppable
-from ..terminal import print_table, user_errors
+from ..terminal import print_table, say, user_errors
 
 _TRIO = {
     "high_gain.eps_h": Range(0.02, 0.5, 25, logarithmic=True),
@@ -48,15 +46,14 @@ def main() -> None:
             save_netcdf(clean, clean_path)
             save_netcdf(noisy, noisy_path)
             write_figures({_TRADE_OFF: curves(noisy, SHOWN, clean)}, folder, _name(path))
-            click.echo(f"{path}, {_SEEDS} seeds, with noise:")
-            for note in notes(noisy):
-                click.echo(note)
+            say(f"{path}, {_SEEDS} seeds, with noise:")
+            say(*notes(noisy))
             for table in tables(noisy):
                 print_table(table)
         dataset = sweep("paper-noisy", _MAP, seeds=_MAP_SEEDS)
         save_netcdf(dataset, folder / f"{_MAP_NAME}.nc")
         save_sweep_figures(dataset, folder, _MAP_NAME)
-        click.echo(f"written to {folder}/")
+        say(f"written to {folder}/")
 
 
 def _paths(path: str) -> list[Path]:

@@ -81,9 +81,9 @@ def test_a_range_has_its_ends() -> None:
         ({"muscle.k": [19, 40]}, 1, "at muscle.k = 40"),
         ({"step": [5e-4, 3e-4]}, 1, "at step = 0.0003"),
         ({"seed": [1]}, 1, "use seeds"),
-        ({}, 0, "at least one seed"),
+        ({}, 0, "seeds must be a whole number from 1"),
         ({}, [1, 1], "a seed is there twice"),
-        ({}, [-1], "whole numbers from 0"),
+        ({}, [-1], "whole number from 0"),
     ],
 )
 def test_what_cannot_be_swept_is_said(over, seeds, words) -> None:
