@@ -19,6 +19,7 @@ import sys
 import tempfile
 import threading
 import traceback
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -113,10 +114,18 @@ def _command(case: dict, streams: dict[str, int]) -> int:
     """Run the command of a case to the end of its process; its exit code."""
     from hillobs.studies.cli import main as cli
 
-    code = 0
-    try:
+    def command() -> None:
         _become(case, streams)
         cli.main()
+
+    return exit_code(command)
+
+
+def exit_code(program: Callable[[], None]) -> int:
+    """Run a program to the end of its process, as Python would; its exit code, for `os._exit`."""
+    code = 0
+    try:
+        program()
     except SystemExit as end:
         code = end.code if isinstance(end.code, int) else int(end.code is not None)
     except BaseException:
@@ -143,14 +152,15 @@ def _become(case: dict, streams: dict[str, int]) -> None:
         os.rmdir(case["folder"])
     os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
     for number, name in enumerate(("stdout", "stderr"), 1):
-        _redirect(number, name, case.get(name, ""), streams[name])
+        redirect(number, name, case.get(name, ""), streams[name])
     _tell(streams["report"], case)
     for name, number in case.get("limits", {}).items():
         kind = getattr(resource, name)
         resource.setrlimit(kind, (number, resource.getrlimit(kind)[1]))
 
 
-def _redirect(number: int, name: str, where: str, otherwise: int) -> None:
+def redirect(number: int, name: str, where: str, otherwise: int) -> None:
+    """Let stdout or stderr of this process go to a file, be `closed` or `broken` (its reader is gone), or otherwise."""
     handle = otherwise
     if where == "broken":
         reader, handle = os.pipe()
