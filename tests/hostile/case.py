@@ -24,6 +24,7 @@ class Case:
     streams: stdout, stderr → full, closed, broken (its reader is gone).
     signals: [name, n]: it comes at the n-th call that Python reports to audit hooks.
     fresh: in a process of its own, from its first import on. writes: where a program may write.
+    code: the exit code, where only one is right.
     """
 
     words: tuple[str, ...] = ()
@@ -36,6 +37,7 @@ class Case:
     signals: tuple[tuple[str, int], ...] = ()
     fresh: bool = False
     writes: tuple[str, ...] = ()
+    code: int | None = None
 
 
 def merged(layers: Iterable[Layer]) -> Case:
@@ -64,7 +66,7 @@ def _renamed(word: str, names: Mapping[str, str]) -> str:
 
 def as_json(case: Case) -> str:
     """The case without what is empty, one field a line."""
-    fields = {key: value for key, value in asdict(case).items() if value}
+    fields = {key: value for key, value in asdict(case).items() if value not in (None, "", (), {}, False)}
     return "{\n" + ",\n".join(f" {json.dumps(key)}: {json.dumps(value)}" for key, value in fields.items()) + "\n}\n"
 
 

@@ -6,6 +6,7 @@ import json
 import os
 import runpy
 import sys
+from functools import partial
 from pathlib import Path
 
 
@@ -18,10 +19,11 @@ def main() -> None:
     report, case = int(sys.argv[1]), json.loads(sys.argv[2])
     sys.path.pop(0)
     sys.argv = ["hillobs", *case["words"]]
+    start = partial(runpy.run_module, "hillobs", run_name="__main__", alter_sys=True)
     if case["limits"]:
         # a limit that lets nothing be imported says nothing of ours
-        import hillobs.studies.cli.main
         import hillobs.studies.cli.simulate  # noqa: F401
+        from hillobs.__main__ import main as start
 
         limit(case["limits"])
     strike_at_calls(
@@ -31,7 +33,7 @@ def main() -> None:
         sys.path.insert(0, str(Path(__file__).parents[1]))
         run_program(case["python"])
     else:
-        runpy.run_module("hillobs", run_name="__main__", alter_sys=True)
+        start()
 
 
 if __name__ == "__main__":

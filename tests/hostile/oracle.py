@@ -46,6 +46,8 @@ def _wrong_code(case: Case, ending: Ending) -> Iterator[str]:
     allowed = {DONE, NUMERICAL, USAGE} | ({READER_GONE} if "broken" in case.streams.values() else set())
     if ending.code not in allowed:
         yield f"exit code {ending.code}"
+    if case.code not in (None, ending.code):
+        yield f"exit code {ending.code}, where only {case.code} is right"
     heard = "stderr" not in case.streams
     if ending.code == USAGE and heard and not ending.err:
         yield "exit code 2 without a sentence"

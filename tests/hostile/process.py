@@ -21,10 +21,12 @@ from hostile.case import Case
 from hostile.sandbox import HOME, TEMPORARY, WORK
 
 # seconds; nothing that is drawn takes a tenth of it
-GUARD = 120.0
+GUARD = 60.0
 # seconds that what is killed may take to be gone
 _GRACE = 5.0
 _SUBREAPER = 36  # PR_SET_CHILD_SUBREAPER
+# bytes; one case must not take the memory of all others
+_MEMORY = 6_000_000_000
 _LAUNCH = Path(__file__).with_name("launch.py")
 # what a case inherits of the surroundings; the rest is the same for everybody
 _KEPT = ("PATH", "HILLOBS_CACHE", "MPLCONFIGDIR", "LD_LIBRARY_PATH")
@@ -82,13 +84,14 @@ def _become(case: Case, box: Path, pipes: Mapping[str, int]) -> None:
     _hear_signals()
     os.chdir(box / WORK)
     sys.argv = ["hillobs", *case.words]
+    surroundings = _surroundings(case, box)
     os.environ.clear()
-    os.environ.update(_surroundings(case, box))
+    os.environ.update(surroundings)
     os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
     for number, name in enumerate(("stdout", "stderr"), 1):
         redirect(number, name, _where(case, name), pipes[name])
         os.close(pipes[name])
-    limit(case.limits)
+    limit({"RLIMIT_AS": _MEMORY, **case.limits})
     strike_at_calls(case.signals, _teller(pipes["report"]))
     if case.python:
         run_program(case.python)
@@ -101,6 +104,7 @@ def _afresh(case: Case, box: Path, pipes: Mapping[str, int]) -> int:
 
     def prepare() -> None:
         _hear_signals()
+        limit({"RLIMIT_AS": _MEMORY})
         for number, name in enumerate(("stdout", "stderr"), 1):
             redirect(number, name, _where(case, name), number)
 

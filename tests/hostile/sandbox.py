@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from hillobs.studies.files.netcdf import sealed
+from places import RECORDINGS
 
 # bytes of the seal at the end of a result
 SEAL = len(sealed(b""))
@@ -35,8 +36,9 @@ def lay(box: Path, files: Mapping[str, Mapping[str, Any]], result: Callable[[str
     """Make the folder of a case.
 
     An entry has one of text (bytes that are no UTF-8 as surrogates), gzip (the same, compressed), link (where to),
-    hard (a second name of), folder, pipe, result (see `results`); and mode. A result may have edits (place from 0 to 1,
-    and bytes as hex), cut (what is left of it), seal (whether it is sealed again, as a forger would).
+    hard (a second name of), folder, pipe, shipped (a file of the laboratory), result (see `results`); and mode.
+    A result may have edits (place from 0 to 1, and bytes as hex), cut (what is left of it), and seal (whether it is
+    sealed again, as a forger would).
     """
     for name in (WORK, HOME, TEMPORARY, OTHER):
         (box / name).mkdir()
@@ -73,6 +75,8 @@ def content(entry: Mapping[str, Any], result: Callable[[str], bytes]) -> bytes:
             return text.encode("utf-8", "surrogateescape")
         case {"gzip": text}:
             return gzip.compress(text.encode("utf-8", "surrogateescape"), mtime=0)
+        case {"shipped": name}:
+            return (RECORDINGS / name).read_bytes()
     raw = bytearray(result(entry["result"]))
     for place, piece in entry.get("edits", ()):
         at = int(place * len(raw))

@@ -24,4 +24,4 @@ def shrunk(warm: Warm, layers: Sequence[Layer], wrong: Sequence[str]) -> list[La
 
 def kind(sentence: str) -> str:
     """What a sentence says without its numbers and names: equal kinds are likely one mistake."""
-    return re.sub(r"'[^']*'|\"[^\"]*\"|[\d.]+(e[+-]?\d+)?", "…", sentence)
+    return re.sub(r"^'[^']*'|/\S+|[\d.]+(e[+-]?\d+)?", "…", sentence)

@@ -8,6 +8,7 @@ from random import Random
 from hostile.case import Layer
 from hostile.draw import drawings, muscles, points, programs, recordings, scenarios, surroundings, sweeps
 from hostile.draw.names import odd_out
+from hostile.draw.numbers import refused
 
 Draw = Callable[[Random], Layer]
 # at least a tenth of all cases have a process of their own
@@ -106,7 +107,7 @@ def _estimate(random: Random) -> list[Layer]:
 
     def gain(random: Random) -> Layer:
         path, value = scenarios.gain(random)
-        return {"words": ["--set", f"{path}={value}"]}
+        return {"words": ["--set", f"{path}={value}"], **refused(value)}
 
     odd = [
         damaged,

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from random import Random
 
+from hostile.case import Layer
+
 EDGES = (
     *("0", "-0", "-0.0", "1", "-1", "1e300", "-1e300", "1e-300", "1e308", "1.8e308", "1e400", "-1e400", "5e-324"),
     *("2.2250738585072014e-308", "1e-308", "1e5", "1e-5", "1e10", "1e-10", "1e16", "4294967296", "9007199254740993"),
@@ -40,3 +42,8 @@ def near(random: Random, value: float) -> str:
 def number(random: Random, value: float) -> str:
     """The same, or now and then none at all."""
     return random.choice(NONE) if random.random() < 0.12 else near(random, value)
+
+
+def refused(text: str) -> Layer:
+    """What is expected if one of the numbers in `text`, as they are typed, is none."""
+    return {"code": 2} if any(part in NONE for part in text.split(",")) else {}

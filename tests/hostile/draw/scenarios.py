@@ -8,7 +8,7 @@ from hillobs.studies.scenarios.layers import shipped
 from hillobs.studies.scenarios.loops import all_paths
 from hostile.case import Layer
 from hostile.draw.names import odd_kind, odd_name
-from hostile.draw.numbers import number
+from hostile.draw.numbers import number, refused
 
 OBSERVERS = ("high_gain", "high_gain_3", "sliding_mode", "adaptive_sliding_mode")
 _FILE = "x.toml"
@@ -65,7 +65,7 @@ def scenario(random: Random) -> Layer:
 def change(random: Random) -> Layer:
     """A number, a choice or a text changed by --set."""
     path, value = changed(random)
-    return {"words": ["--set", f"{path}={value}"]}
+    return {"words": ["--set", f"{path}={value}"], **(refused(value) if path != "description" else {})}
 
 
 def changed(random: Random) -> tuple[str, str]:

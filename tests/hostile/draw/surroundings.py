@@ -9,7 +9,7 @@ from hostile.case import Layer
 _ENVIRONMENT: dict[str, tuple[str | None, ...]] = {
     "LC_ALL": ("C", "POSIX", "de_DE.UTF-8", "nonsense", "C.ISO-8859-1"),
     "PYTHONUTF8": ("0", "1"),
-    "PYTHONIOENCODING": ("ascii", "latin-1", "nonsense"),
+    "PYTHONIOENCODING": ("ascii", "latin-1", "utf-8:strict"),
     "PYTHONWARNINGS": ("default", "error"),
     "PYTHONOPTIMIZE": ("2",),
     "MPLBACKEND": ("nonsense", "", "TkAgg", "svg"),

@@ -8,7 +8,7 @@ from hillobs.studies.scenarios.loops import all_paths
 from hillobs.studies.scenarios.paths import RUN
 from hostile.case import Layer
 from hostile.draw.names import odd_out
-from hostile.draw.numbers import NONE, near, number
+from hostile.draw.numbers import NONE, near, number, refused
 
 _COUNTS = ("0", "-1", "1_0", "٣", "", "1.5", "999999999999", "9" * 400, "1e3", "2", "3")
 # whichever is scored, a library more is compiled; so these are few
@@ -34,7 +34,7 @@ def axis(random: Random) -> Layer:
             values = random.choice(
                 ("", ",", "1,,2", "lin:1:2", "log:0:1:3", "lin:2:1:3", "lin:1:2:3:4", "quad:1:2:3", ":")
             )
-    return {"words": ["--over", f"{path}={values}"]}
+    return {"words": ["--over", f"{path}={values}"], **refused(values)}
 
 
 def good_axis(random: Random) -> Layer:
