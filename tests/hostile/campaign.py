@@ -46,7 +46,6 @@ def own_cache() -> Iterator[None]:
     """A cache of libraries for all cases; one that is named stays."""
     with tempfile.TemporaryDirectory(prefix="hostile-") as folder:
         os.environ.setdefault("HILLOBS_CACHE", f"{folder}/cache")
-        os.environ.setdefault("MPLCONFIGDIR", f"{folder}/matplotlib")
         yield
 
 

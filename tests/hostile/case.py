@@ -8,6 +8,8 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
+# one drawn case in so many has a process of its own, whatever else it meets
+FRESH = 9
 # some of the fields of a Case; of two layers the later one is added to the earlier one
 Layer = Mapping[str, Any]
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import ctypes
+import functools
 import json
 import os
 import selectors
@@ -14,6 +15,8 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+
+import matplotlib
 
 from forks import exit_code, redirect
 from hostile.calls import limit, run_program, strike_at_calls
@@ -29,7 +32,7 @@ _SUBREAPER = 36  # PR_SET_CHILD_SUBREAPER
 _MEMORY = 6_000_000_000
 _LAUNCH = Path(__file__).with_name("launch.py")
 # what a case inherits of the surroundings; the rest is the same for everybody
-_KEPT = ("PATH", "HILLOBS_CACHE", "MPLCONFIGDIR", "LD_LIBRARY_PATH")
+_KEPT = ("PATH", "HILLOBS_CACHE", "LD_LIBRARY_PATH")
 
 
 @dataclass(frozen=True)
@@ -65,8 +68,15 @@ def run(case: Case, box: Path) -> Ending:
 def _surroundings(case: Case, box: Path) -> dict[str, str]:
     usual = {name: os.environ[name] for name in _KEPT if name in os.environ}
     usual |= {"HOME": str(box / HOME), "TMPDIR": str(box / TEMPORARY), "LC_ALL": "C.UTF-8", "OPENBLAS_NUM_THREADS": "1"}
+    # its list of fonts takes seconds to make
+    usual["MPLCONFIGDIR"] = _fonts()
     changed = {name: value and value.replace("BOX", str(box)) for name, value in case.environment.items()}
     return {name: value for name, value in {**usual, **changed}.items() if value is not None}
+
+
+@functools.cache
+def _fonts() -> str:
+    return matplotlib.get_cachedir()
 
 
 def _forked(case: Case, box: Path, pipes: Mapping[str, int]) -> int:

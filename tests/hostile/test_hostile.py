@@ -7,12 +7,13 @@ from pathlib import Path
 
 import pytest
 
-from hostile.case import read_case
+from hostile.case import FRESH, read_case
 from hostile.warm import Warm
 
 CORPUS = sorted((Path(__file__).parent / "corpus").glob("*.json"))
-# drawn by this seed, which nobody has chosen for what it finds
-SEED, DRAWN = 0, 200
+SEED = 0
+# 200 of this seed; a process of its own costs a second, so only ten have one
+DRAWN = [number for number in range(214) if number % FRESH or number < 10 * FRESH]
 
 
 @pytest.fixture(scope="session")
@@ -28,7 +29,7 @@ def test_what_was_found_once_is_not_found_again(path: Path, warm: Warm) -> None:
     assert_kept(warm)
 
 
-@pytest.mark.parametrize("number", range(DRAWN))
+@pytest.mark.parametrize("number", DRAWN)
 def test_a_drawn_command_breaks_no_promise(number: int, warm: Warm) -> None:
     warm.ask(seed=SEED, number=number)
     assert_kept(warm)

@@ -14,6 +14,12 @@ _USUAL = {"simulate": "results", "estimate": "estimates", "observability": "resu
 
 def may_write(case: Case, box: Path) -> list[str]:
     """The files and folders that a command is told to write to, from the folder of its case."""
+    cache = case.environment.get("HILLOBS_CACHE") or ""
+    own_cache = [cache.removeprefix("BOX/")] if cache.startswith("BOX/") else []
+    return [*own_cache, *_results(case, box)]
+
+
+def _results(case: Case, box: Path) -> list[str]:
     work = os.path.join(box, WORK)
     if case.python:
         return [_from(box, os.path.join(work, name)) for name in case.writes]

@@ -5,14 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from random import Random
 
-from hostile.case import Layer
+from hostile.case import FRESH, Layer
 from hostile.draw import drawings, muscles, points, programs, recordings, scenarios, surroundings, sweeps
 from hostile.draw.names import odd_out
 from hostile.draw.numbers import refused
 
 Draw = Callable[[Random], Layer]
-# at least a tenth of all cases have a process of their own
-_FRESH = 0.1
 # figures take seconds
 _FIGURES = 0.04
 
@@ -22,12 +20,12 @@ def draw(seed: int, number: int) -> list[Layer]:
     random = Random(f"{seed}, {number}")
     (kind,) = random.choices(list(_KINDS), weights=[weight for weight, _ in _KINDS.values()])
     layers = _KINDS[kind][1](random)
-    return [*layers, *_around(random)]
+    return [*layers, *_around(random, number % FRESH == 0)]
 
 
-def _around(random: Random) -> list[Layer]:
-    """Surroundings: a part of those drawn has signals, limits, odd streams; the fresh ones an odd environment too."""
-    if random.random() < _FRESH:
+def _around(random: Random, fresh: bool) -> list[Layer]:
+    """Surroundings: some cases meet signals, limits, odd streams; each fresh one those, or an odd environment."""
+    if fresh:
         odd = random.choice((surroundings.environment, surroundings.environment, _fresh_signal, surroundings.limits))
         return [{**odd(random), "fresh": True}]
     share = random.random()
