@@ -88,7 +88,7 @@ def _forked(case: Case, box: Path, pipes: Mapping[str, int]) -> int:
 
 def _become(case: Case, box: Path, pipes: Mapping[str, int]) -> None:
     """Turn this fork into the command of a case."""
-    from hillobs.studies.cli import main as cli
+    from hillobs.__main__ import main
 
     os.setsid()
     _hear_signals()
@@ -106,7 +106,7 @@ def _become(case: Case, box: Path, pipes: Mapping[str, int]) -> None:
     if case.python:
         run_program(case.python)
     else:
-        cli.main()
+        main()
 
 
 def _afresh(case: Case, box: Path, pipes: Mapping[str, int]) -> int:
