@@ -88,8 +88,9 @@ def _forked(case: Case, box: Path, pipes: Mapping[str, int]) -> int:
 
 def _become(case: Case, box: Path, pipes: Mapping[str, int]) -> None:
     """Turn this fork into the command of a case."""
-    from hillobs.__main__ import main
+    from hillobs import __main__ as start
 
+    start._LEAST = 0  # all is loaded: memory may end later, and less of it is enough
     os.setsid()
     _hear_signals()
     os.chdir(box / WORK)
@@ -106,7 +107,7 @@ def _become(case: Case, box: Path, pipes: Mapping[str, int]) -> None:
     if case.python:
         run_program(case.python)
     else:
-        main()
+        start.main()
 
 
 def _afresh(case: Case, box: Path, pipes: Mapping[str, int]) -> int:
