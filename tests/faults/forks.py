@@ -19,6 +19,7 @@ import sys
 import tempfile
 import threading
 import traceback
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -113,11 +114,20 @@ def _command(case: dict, streams: dict[str, int]) -> int:
     """Run the command of a case to the end of its process; its exit code."""
     from hillobs import __main__ as start
 
-    code = 0
     start._LEAST = 1  # all is loaded: memory may end later, and less of it is enough
-    try:
+
+    def command() -> None:
         _become(case, streams)
         start.main()
+
+    return exit_code(command)
+
+
+def exit_code(program: Callable[[], None]) -> int:
+    """Run a program to the end of its process, as Python would; its exit code, for `os._exit`."""
+    code = 0
+    try:
+        program()
     except SystemExit as end:
         code = end.code if isinstance(end.code, int) else int(end.code is not None)
     except BaseException:
@@ -144,7 +154,7 @@ def _become(case: dict, streams: dict[str, int]) -> None:
         os.rmdir(case["folder"])
     os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
     for number, name in enumerate(("stdout", "stderr"), 1):
-        _redirect(number, name, case.get(name, ""), streams[name])
+        redirect(number, name, case.get(name, ""), streams[name])
     _tell(streams["report"], case)
     if "uid" in case:
         os.environ["HILLOBS_CACHE"] = case["cache"]
@@ -161,7 +171,8 @@ def become_user(uid: int) -> None:
     os.setuid(uid)
 
 
-def _redirect(number: int, name: str, where: str, otherwise: int) -> None:
+def redirect(number: int, name: str, where: str, otherwise: int) -> None:
+    """Let stdout or stderr of this process go to a file, be `closed` or `broken` (its reader is gone), or otherwise."""
     handle = otherwise
     if where == "broken":
         reader, handle = os.pipe()
