@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import casadi as ca
 
-from ..model.block import Block, BlockError, Symbols
+from ..model.block import Block, BlockError, Symbols, symbols
 from ..model.curves import NGUYEN2019, Curves, tendon_parameters
 from ..model.limits import limits
 from ..model.skeleton import LENGTH
@@ -40,6 +40,8 @@ def label(name: str) -> str:
 
 
 _ACTIVATIONS = ("a1_hat", "a2_hat")
+# the length that bounds the estimates of every observer
+_DOMAIN = Block("domain", p=symbols("C"), parameters={"C": LENGTH})
 
 
 def estimator(observer: Block, curves: Curves = NGUYEN2019, activations: bool = True) -> Block:
@@ -60,7 +62,7 @@ def estimator(observer: Block, curves: Curves = NGUYEN2019, activations: bool = 
         other = next(name for name in _ACTIVATIONS if name not in estimated)
         raise BlockError(f"{observer.name}: it estimates {estimated[0]}, so it must estimate {other} as well")
     behind = [] if estimated or not activations else [activation_estimate(curves)]
-    for part in (*behind, tendons(curves)):
+    for part in (*behind, tendons(curves), _DOMAIN):
         _refuse_clashes(observer, part)
     connections = {f"{observer.name}.{port}": port for port in observer.u}
     connections |= {f"{part.name}.{name}": f"{observer.name}.{name}" for part in behind for name in ESTIMATES}

@@ -1,18 +1,21 @@
 """What diverges has a time and a cause and no scores, in every study; what is healthy is never taken for it."""
 
+import dataclasses
 import itertools
 import json
 import math
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
+import casadi as ca
 import numpy as np
 import pytest
 import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hillobs.observers import OBSERVERS
+from hillobs.model.block import Block, BlockError, Parameter, Symbols
+from hillobs.observers import OBSERVERS, estimator
 from hillobs.observers.high_gain import LIMIT
 from hillobs.studies.cli.reports.number import number
 from hillobs.studies.estimate.run import estimate
@@ -103,6 +106,29 @@ def test_gains_without_a_rate_are_refused(observer: str, gain: str, value: float
 @pytest.fixture(scope="module")
 def shipped_recording() -> Recording:
     return read_recording(RECORDINGS / "dgf_smooth_noisy.csv.gz")
+
+
+def test_an_observer_of_ones_own_may_set_limits(proportional: Block) -> None:
+    bounded = dataclasses.replace(proportional, limits=Symbols(x1_hat=ca.SX(2.0)))
+    said = json.loads(simulate("paper-clean", bounded, LONG).attrs["failures"])
+    assert said == {"proportional": "proportional: x1_hat is not a number within ±2 at τ = 0; it starts there"}
+    with pytest.raises(BlockError, match="limits names x9; valid are x1_hat"):
+        dataclasses.replace(proportional, limits=Symbols(x9=ca.SX(2.0)))
+    with pytest.raises(BlockError, match=r"limits.x1_hat uses x1_hat, not among"):
+        dataclasses.replace(proportional, limits=Symbols(x1_hat=proportional.x.x1_hat))
+
+
+def test_a_length_of_ones_own_is_not_taken_for_the_domain(proportional: Block) -> None:
+    C = Symbols(C=ca.SX.sym("C"))
+    known = {"a1_hat": ca.SX(0.5), "a2_hat": ca.SX(0.5)}
+    own = dataclasses.replace(
+        proportional,
+        p=Symbols({**proportional.p, **C}),
+        parameters={**proportional.parameters, "C": Parameter(1.0, "a gain", "this test")},
+        y=Symbols({**proportional.y, **known}),
+    )
+    with pytest.raises(BlockError, match="the domain wired to it has a parameter C too"):
+        estimator(own)
 
 
 @pytest.mark.parametrize("scenario", shipped())
