@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 from hillobs.model.block import Parameter
 from hillobs.model.curves import CURVES, NGUYEN2019
 from hillobs.studies.files.errors import ScenarioError
-from hillobs.studies.laboratory.muscles import SCALED, MusclePair, muscle_file, muscle_pair, read_muscles
+from hillobs.studies.laboratory.muscles import SCALED, SIZES, MusclePair, muscle_file, muscle_pair, read_muscles
 from hillobs.studies.laboratory.scales import scales
 from hillobs.studies.scenarios.loops import all_paths
 from places import DOCS, RECORDINGS
@@ -292,3 +292,16 @@ def test_the_sizes_are_those_of_the_curve_sets() -> None:
     """Whatever set there is, its sizes have these names; everything else is a number of the file."""
     for curves in CURVES.values():
         assert curves.parameters.keys() & set(SCALED) in ({"L_slack"}, set(SCALED)), curves.name
+
+
+@pytest.mark.parametrize("exponent", [-300, -70, 70, 300])
+@pytest.mark.parametrize("key", ["mass", "C", *SIZES, "tendon_strain", "passive_strain", "damping"])
+def test_a_number_beyond_any_muscle_is_refused_by_name(key: str, exponent: int) -> None:
+    pair = read_muscles(RECORDINGS / "dgf_smooth.toml")
+    content = muscle_file(pair)
+    section = content if key in content else content["muscle1"]
+    if key == "damping" and exponent < 0:
+        return  # as good as none
+    section[key] = 10.0**exponent
+    with pytest.raises(ScenarioError, match=rf"{key} must be (at least|at most|below) "):
+        muscle_pair(content)
