@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import logging
 import os
 import sys
 import warnings
@@ -70,6 +71,7 @@ def main() -> None:
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")
     warnings.showwarning = _show_warning
+    logging.basicConfig(handlers=[_Log()])
     stdout = sys.stdout
     try:
         commands(standalone_mode=False)
@@ -98,6 +100,13 @@ def _show_warning(
     line: str | None = None,
 ) -> None:
     complain(f"warning: {message}")
+
+
+class _Log(logging.Handler):
+    """What a library writes to a log, such as matplotlib of its cache, is said as we say things."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        complain(f"warning: {record.getMessage()}")
 
 
 def _drop_output() -> None:

@@ -39,7 +39,7 @@ def tables(dataset: xr.Dataset) -> list[Table]:
     A sweep over seeds alone has neither: the medians.
     """
     if not varied(dataset):
-        rows = [(who, quantity, number(float(median))) for who, quantity, median, _ in _errors(dataset)]
+        rows = [(who, quantity, number(median.item())) for who, quantity, median, _ in _errors(dataset)]
         return [_table(["median RMSE"], rows)]
     compared = dataset.attrs["kind"] == "grid"
     paths, scenario = list(axes_of(dataset).paths), ["scenario's\nown"] * compared
