@@ -9,6 +9,8 @@ import casadi as ca
 
 from ..model.block import Block, BlockError, Symbols
 from ..model.curves import NGUYEN2019, Curves, tendon_parameters
+from ..model.limits import limits
+from ..model.skeleton import LENGTH
 from ..model.symbols import hat
 from ..model.wiring import rename, wire
 from .activation import activation_estimate
@@ -67,10 +69,11 @@ def estimator(observer: Block, curves: Curves = NGUYEN2019, activations: bool = 
     names = [*wired.x, *wired.y, *wired.p, *wired.guards, *wired.domain]
     outputs = [*ESTIMATES, *(_ACTIVATIONS if activations else ())]
     whole = rename(wired, observer.name, {key: key.partition(".")[2] for key in names}, outputs)
-    # its own numbers of the tendons that tell it L_S1 and L_S2
-    parameters = {**whole.parameters, **tendon_parameters(curves)}
+    # its own numbers of the tendons that tell it L_S1 and L_S2, and of the domain that its estimates lie in
+    parameters = {**whole.parameters, **tendon_parameters(curves), "C": LENGTH}
+    p = Symbols({name: whole.p.get(name, ca.SX.sym(name)) for name in parameters})
     return replace(
-        whole, parameters=parameters, p=Symbols({name: whole.p.get(name, ca.SX.sym(name)) for name in parameters})
+        whole, parameters=parameters, p=p, limits=Symbols({**limits([*whole.x, *whole.y], p.C), **whole.limits})
     )
 
 
