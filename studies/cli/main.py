@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import importlib
+import logging
 import os
 import sys
 import warnings
@@ -71,6 +73,7 @@ def main() -> None:
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")
     warnings.showwarning = _show_warning
+    logging.basicConfig(handlers=[_Log()])
     stdout = sys.stdout
     try:
         commands(standalone_mode=False)
@@ -99,9 +102,17 @@ def _show_warning(
     complain(f"warning: {message}")
 
 
+class _Log(logging.Handler):
+    """What a library writes to a log, such as matplotlib of its cache, is said as we say things."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        complain(f"warning: {record.getMessage()}")
+
+
 def _drop_output() -> None:
     """What is left in the buffer of standard output goes nowhere."""
-    os.dup2(_nowhere(), sys.stdout.fileno())
+    with contextlib.suppress(OSError):  # where no file can be opened, it goes where it was meant to go
+        os.dup2(_nowhere(), sys.stdout.fileno())
 
 
 def _nowhere() -> int:

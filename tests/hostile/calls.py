@@ -5,6 +5,7 @@ Imported before hillobs is, so that it disturbs no start: the standard library o
 
 from __future__ import annotations
 
+import contextlib
 import os
 import resource
 import signal
@@ -38,6 +39,16 @@ def strike_at_calls(signals: Sequence[tuple[str, int]], tell: Callable[[str], No
 
     if left:
         sys.addaudithook(hook)
+
+
+def teller(report: int) -> Callable[[str], None]:
+    """What tells the other end of a pipe that a signal is sent."""
+
+    def tell(name: str) -> None:
+        with contextlib.suppress(OSError):
+            os.write(report, f"{name}\n".encode())
+
+    return tell
 
 
 def limit(limits: Mapping[str, int]) -> None:

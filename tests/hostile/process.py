@@ -12,14 +12,14 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 import matplotlib
 
 from forks import exit_code, redirect
-from hostile.calls import limit, run_program, strike_at_calls
+from hostile.calls import limit, run_program, strike_at_calls, teller
 from hostile.case import Case
 from hostile.sandbox import HOME, TEMPORARY, WORK
 
@@ -103,7 +103,7 @@ def _become(case: Case, box: Path, pipes: Mapping[str, int]) -> None:
         redirect(number, name, _where(case, name), pipes[name])
         os.close(pipes[name])
     limit({"RLIMIT_AS": _MEMORY, **case.limits})
-    strike_at_calls(case.signals, _teller(pipes["report"]))
+    strike_at_calls(case.signals, teller(pipes["report"]))
     if case.python:
         run_program(case.python)
     else:
@@ -145,14 +145,6 @@ def _where(case: Case, name: str) -> str:
     """The stream as `redirect` knows it."""
     where = case.streams.get(name, "")
     return "/dev/full" if where == "full" else where
-
-
-def _teller(report: int) -> Callable[[str], None]:
-    def tell(name: str) -> None:
-        with contextlib.suppress(OSError):
-            os.write(report, f"{name}\n".encode())
-
-    return tell
 
 
 def _listen(readers: Mapping[str, int], process: int) -> tuple[dict[str, str], bool]:

@@ -34,7 +34,9 @@ def _results(case: Case, box: Path) -> list[str]:
     place = os.path.realpath(os.path.join(work, out)) if verb != "sweep" else _beside_link(work, out)
     if verb != "sweep":
         return [_from(box, place)]
-    return [_from(box, place), _from(box, f"{place}.parts"), f"{_from(box, os.path.splitext(place)[0])}-*"]
+    written = os.path.join(os.path.dirname(place), f".hillobs-{os.geteuid()}")  # the list of what is ours there
+    names = [place, f"{place}.parts", f"{os.path.splitext(place)[0]}-*", written]
+    return [_from(box, name) for name in names]
 
 
 def _beside_link(work: str, out: str) -> str:
