@@ -89,6 +89,8 @@ def _serve() -> None:
     from hillobs.studies.sweep import plan
 
     plan.PART = PART
+    # where files may not grow, Python leaves its own cut short in the checkout, and nothing starts any more
+    sys.dont_write_bytecode = True
     with tempfile.TemporaryDirectory() as folder, open(os.devnull, "w") as nowhere, contextlib.redirect_stdout(nowhere):
         cli.commands([*COMMAND, "--out", f"{folder}/warm.nc"], standalone_mode=False)
     gc.freeze()  # a collection in a fork would copy all memory

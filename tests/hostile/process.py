@@ -68,6 +68,8 @@ def run(case: Case, box: Path) -> Ending:
 def _surroundings(case: Case, box: Path) -> dict[str, str]:
     usual = {name: os.environ[name] for name in _KEPT if name in os.environ}
     usual |= {"HOME": str(box / HOME), "TMPDIR": str(box / TEMPORARY), "LC_ALL": "C.UTF-8", "OPENBLAS_NUM_THREADS": "1"}
+    # where files may not grow, Python leaves its own cut short in the checkout, and nothing starts any more
+    usual["PYTHONDONTWRITEBYTECODE"] = "1"
     # its list of fonts takes seconds to make
     usual["MPLCONFIGDIR"] = _fonts()
     changed = {name: value and value.replace("BOX", str(box)) for name, value in case.environment.items()}
@@ -91,6 +93,7 @@ def _become(case: Case, box: Path, pipes: Mapping[str, int]) -> None:
     from hillobs import __main__ as start
 
     start._LEAST = 0  # all is loaded: memory may end later, and less of it is enough
+    sys.dont_write_bytecode = True  # as in the surroundings, which Python has read already
     os.setsid()
     _hear_signals()
     os.chdir(box / WORK)
