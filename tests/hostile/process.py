@@ -68,6 +68,8 @@ def run(case: Case, box: Path) -> Ending:
 def _surroundings(case: Case, box: Path) -> dict[str, str]:
     usual = {name: os.environ[name] for name in _KEPT if name in os.environ}
     usual |= {"HOME": str(box / HOME), "TMPDIR": str(box / TEMPORARY), "LC_ALL": "C.UTF-8", "OPENBLAS_NUM_THREADS": "1"}
+    # a process that may write small files only would leave half of what Python keeps of its modules
+    usual["PYTHONDONTWRITEBYTECODE"] = "1"
     # its list of fonts takes seconds to make
     usual["MPLCONFIGDIR"] = _fonts()
     changed = {name: value and value.replace("BOX", str(box)) for name, value in case.environment.items()}
