@@ -5,10 +5,10 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 import xarray as xr
-from matplotlib.figure import Figure
 
 from ...observers.observability import TOLERANCE
 from ..figures.observability import along_figure, map_figure
@@ -28,6 +28,9 @@ from .options import scenario_argument, set_option, whole_option
 from .reports.observability import answer_as_json, answer_table, details, ranks_along, ranks_over, summary
 from .reports.written import written
 from .terminal import bar, print_table, say
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 # a rank that is not full is no failure, but a script must see it
 _DEFICIENT = 1

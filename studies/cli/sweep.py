@@ -86,7 +86,7 @@ def sweep(
         with engine(workers, cluster) as (compute, usual), counting("runs", planned.runs) as advance:
             pace = Pace(advance)
             try:
-                dataset = sweep_planned(planned, path, compute, target or usual, pace)
+                dataset = sweep_planned(planned, path, compute, usual if target is None else target, pace)
             except ClusterError as error:
                 raise ClusterError("; ".join([str(error), *_kept(out)])) from error
         written = [] if path is None else _written(dataset, path, no_figures)

@@ -75,7 +75,8 @@ def sweep(
     """
     checked = plan(source, over or {}, seeds, observers, changes, kind, samples, quantities, measures)
     with engine(workers, cluster) as (compute, usual):
-        return sweep_planned(checked, None if out is None else Path(out), compute, target or usual, progress or unseen)
+        chosen = usual if target is None else target
+        return sweep_planned(checked, None if out is None else Path(out), compute, chosen, progress or unseen)
 
 
 @contextlib.contextmanager

@@ -83,5 +83,5 @@ def _differences(one: Ending, other: Ending, files: dict[str, bytes], others: di
 
 
 def _nameless(text: str) -> str:
-    """A text without the names of temporary folders."""
-    return re.sub(r"hostile-\w{8}|hillobs-\w{8}", "", text)
+    """A text without the names of temporary folders, and without addresses of objects."""
+    return re.sub(r"hostile-\w{8}|hillobs-\w{8}|0x[0-9a-f]+", "", text)
