@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from .studies.estimate.run import estimate
     from .studies.estimate.schema import arguments
     from .studies.files.errors import ClusterError, RecordingError, ResultError, ScenarioError
-    from .studies.files.netcdf import load
+    from .studies.files.results.netcdf import load
     from .studies.files.versions import __version__
     from .studies.laboratory.muscles import Muscle, MusclePair, read_muscles
     from .studies.laboratory.recording import Recording, read_recording
@@ -41,7 +41,7 @@ _NAMES = {
     ".studies.estimate.run": ("estimate",),
     ".studies.estimate.schema": ("arguments",),
     ".studies.files.errors": ("ClusterError", "RecordingError", "ResultError", "ScenarioError"),
-    ".studies.files.netcdf": ("load",),
+    ".studies.files.results.netcdf": ("load",),
     ".studies.files.versions": ("__version__",),
     ".studies.laboratory.muscles": ("Muscle", "MusclePair", "read_muscles"),
     ".studies.laboratory.recording": ("Recording", "read_recording"),

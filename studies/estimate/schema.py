@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from ..files.errors import ResultError
-from ..files.schema import FLOATS, TEXTS, WHOLES, Schema, read_json, rising
+from ..files.results.schema import FLOATS, TEXTS, WHOLES, Schema, read_json, rising
 from ..laboratory.muscles import muscle_pair
 from .dataset import PER_MUSCLE, TRUE
 

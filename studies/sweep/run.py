@@ -17,10 +17,10 @@ from ...model.block import Block
 from ...model.symbols import QUANTITIES
 from ...observers.score import MEASURES
 from ..files.errors import ResultError, ScenarioError
-from ..files.netcdf import LARGEST_RESULT, load, netcdf
 from ..files.numbers import whole
 from ..files.progress import CountedProgress, unseen
 from ..files.reading import cause
+from ..files.results.netcdf import LARGEST_RESULT, load, netcdf
 from ..scenarios.layers import Value
 from ..simulate.run import recorded
 from .axes import Values

@@ -10,7 +10,7 @@ from ...observers.score import MEASURES
 from ..files.errors import ResultError, ScenarioError
 from ..files.numbers import number
 from ..files.quote import shown
-from ..files.schema import FLAGS, FLOATS, TEXTS, WHOLES, Schema
+from ..files.results.schema import FLAGS, FLOATS, TEXTS, WHOLES, Schema
 from .axes import KINDS
 
 # the square of a larger one is no number

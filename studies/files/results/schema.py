@@ -12,9 +12,9 @@ from typing import Any, get_args, get_origin
 import numpy as np
 import xarray as xr
 
-from ...model.arrays import is_number
-from .errors import ResultError
-from .quote import short, shown
+from ....model.arrays import is_number
+from ..errors import ResultError
+from ..quote import short, shown
 
 # kinds of arrays of NumPy
 FLOATS, WHOLES, FLAGS, TEXTS = "f", "iu", "iub", "UO"
