@@ -32,7 +32,7 @@ def hoisted(name: str, table: Mapping[str, ca.Function]) -> dict[str, ca.Functio
         reduced = ca.cse(ca.substitute(reduced, [ca.vertcat(*symbols)], [c]) if symbols else reduced)
     constants = ca.cse(ca.densify(ca.vertcat(*values)))
     done = {
-        **{role: table[role] for role in _ONCE},
+        **{role: table[role] for role in _ONCE if role in table},
         "constants": ca.Function(f"{name}_constants", [h, p], [constants], ["h", "p"], ["c"]),
     }
     for role, f in moving.items():

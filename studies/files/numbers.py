@@ -99,10 +99,10 @@ def switch(what: str, value: object) -> bool:
 def within(path: str, value: object, parameter: Parameter) -> float:
     """`value` as a number within the bounds of `parameter`. ScenarioError names `path` and says what it must be."""
     plain = number(path, value)
-    if plain and not _SMALLEST <= abs(plain) <= _LARGEST:
-        raise ScenarioError(f"{path} must be 0 or from {_SMALLEST:g} to {_LARGEST:g} in magnitude, not {plain:g}")
     if objection := parameter.objection(plain):
         raise ScenarioError(f"{path} must be {objection}, not {plain:.12g}")
+    if plain and not _SMALLEST <= abs(plain) <= _LARGEST:
+        raise ScenarioError(f"{path} must be 0 or from {_SMALLEST:g} to {_LARGEST:g} in magnitude, not {plain:g}")
     return plain
 
 

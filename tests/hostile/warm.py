@@ -34,6 +34,7 @@ class Warm:
     def __exit__(self, *_: object) -> None:
         self._process.stdin.close()
         self._process.wait(timeout=60)
+        self._process.stdout.close()
 
     def ask(self, **question: object) -> None:
         """Begin with the case `number` of a `seed`, or with that of some `layers`; `again` tries it twice."""

@@ -45,7 +45,8 @@ def test_an_undescribed_parameter_is_found(proportional: Block) -> None:
 
 
 def facts(**changes: float) -> dict[str, float]:
-    return {"h": 5e-4, "U_m": 0.9, "sup_dDelta": 0.004, "sup_du1": 0.02, "sup_du2": 0.02, **changes}
+    known = {"h": 5e-4, "U_m": 0.9, "f_plus": 1.0, "p": 0.5, "sup_dDelta": 0.004, "sup_du1": 0.02, "sup_du2": 0.02}
+    return {**known, **changes}
 
 
 def violated(name: str, **changes: float) -> list[str]:

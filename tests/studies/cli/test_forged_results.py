@@ -95,7 +95,9 @@ def test_a_sweep_does_not_go_on_with_a_forged_result(command, tmp_path: Path) ->
     call = ("sweep", "paper-clean", "--over", "high_gain.eps_h=0.1,0.2", "--set", "duration=0.2", "--no-figures")
     call += ("--set", "score.start=0.1", "--out", "x.nc")
     assert command(*call)[0] == 0
-    save_netcdf(load(tmp_path / "x.nc").drop_vars("failed_at"), tmp_path / "x.nc")
+    forged = load(tmp_path / "x.nc").drop_vars("failed_at")
+    (tmp_path / "x.nc").unlink()
+    save_netcdf(forged, tmp_path / "x.nc")
     code, out, err = command(*call)
     assert (code, out) == (2, "")
     assert err == "hillobs: x.nc is there already, and cannot be used: it has no failed_at\n"

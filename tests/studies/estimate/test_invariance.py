@@ -18,9 +18,10 @@ from shipped_recording import ALL_OBSERVERS, MUSCLES, SHIPPED, part
 pytestmark = pytest.mark.numerics
 
 
+# masses stay below the largest that a pair may have, 10⁶ kg
 @settings(max_examples=10)
 @given(
-    st.floats(1e-2, 1e3), st.floats(0.05, 5), st.floats(0.2, 5), st.sampled_from(["high_gain", "adaptive_sliding_mode"])
+    st.floats(1e-2, 1e3), st.floats(0.1, 5), st.floats(0.5, 5), st.sampled_from(["high_gain", "adaptive_sliding_mode"])
 )
 @example(7.3, 0.31, 1.7, "sliding_mode")
 def test_units_and_sizes_change_no_activation(

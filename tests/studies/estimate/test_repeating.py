@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 import xarray as xr
 
-from hillobs.studies.estimate.dataset import arguments as again
 from hillobs.studies.estimate.run import estimate
+from hillobs.studies.estimate.schema import arguments as again
 from hillobs.studies.files.results.netcdf import load, save_netcdf
 from hillobs.studies.laboratory.muscles import read_muscles
 from places import DATA
