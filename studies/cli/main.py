@@ -73,7 +73,8 @@ def main() -> None:
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")
     warnings.showwarning = _show_warning
-    logging.basicConfig(handlers=[_Log()])
+    # its own level: dask lets its loggers tell more than the root would
+    logging.basicConfig(handlers=[_Log(logging.WARNING)])
     stdout = sys.stdout
     try:
         commands(standalone_mode=False)
