@@ -73,8 +73,8 @@ def main() -> None:
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")
     warnings.showwarning = _show_warning
-    # its own level: dask lets its loggers tell more than the root would
-    logging.basicConfig(handlers=[_Log(logging.WARNING)])
+    # for loggers without a handler: dask has its own, which we silence
+    logging.lastResort = _Log(logging.WARNING)
     stdout = sys.stdout
     try:
         commands(standalone_mode=False)
