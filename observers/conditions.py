@@ -109,5 +109,5 @@ def _sides(conditions: list[Condition], symbols: Symbols, values: Array) -> tupl
     """Left and right (conditions × points) of each condition."""
     sides = [ca.vertcat(ca.SX(0, 1), *side) for side in ([c.left for c in conditions], [c.right for c in conditions])]
     function = ca.Function("conditions", [symbols.vector()], sides)
-    left, right = (np.array(side, dtype=float).reshape(len(conditions), -1) for side in function(values))
+    left, right = (np.array(side, dtype=float).reshape(len(conditions), values.shape[1]) for side in function(values))
     return left, right

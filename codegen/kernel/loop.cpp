@@ -197,7 +197,7 @@ static FLAT void observe(const Batch &batch, Runs &runs, Part &part, int64_t fro
     copy<S::NX>(part.sums, sums);
     for (int64_t k = from; k < until; ++k) {
         const V *staged = sights[k - from].staged, t = time_at(batch, k);
-        V held[N_HELD], scored[N_TRUTH + N_ESTIMATES];
+        V held[N_HELD], scored[N_TRUTH + B::NY];  // of the outputs, the first N_ESTIMATES
         hold(batch, runs, k, held);
         copy<N_TRUTH>(truth[k - from], scored);
         visit<B>(batch, runs, part, k, held, staged, x, scored + N_TRUTH);

@@ -1,0 +1,23 @@
+"""The two halves of a Kalman filter for mean and covariance: a prediction, and scalar measurements one by one."""
+
+from __future__ import annotations
+
+import casadi as ca
+
+
+def predicted(P: ca.SX, F: ca.SX, noise: ca.SX) -> ca.SX:
+    """The covariance (n × n) after a motion F that white noise drives; `noise` is what it adds meanwhile, QT."""
+    # P⁻ = F(P + QT/2)Fᵀ + QT/2
+    return _symmetric(F @ (P + noise / 2) @ F.T + noise / 2)
+
+
+def measured(x: ca.SX, P: ca.SX, i: int, value: ca.SX, R: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """Mean (n × 1) and covariance after a measurement of state i, with noise of variance R."""
+    # S = P_ii + R,  K = P_i/S,  x⁺ = x + K(y − x_i),  P⁺ = P − K P_iᵀ
+    K = P[:, i] / (P[i, i] + R)
+    return x + K * (value - x[i]), _symmetric(P - K @ P[i, :])
+
+
+def _symmetric(P: ca.SX) -> ca.SX:
+    """The lower triangle, mirrored: the upper one is never computed."""
+    return ca.tril2symm(ca.tril(P))
