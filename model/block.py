@@ -139,6 +139,11 @@ class Block:
                 if free := [s.name() for s in ca.symvar(expression) if s.element_hash() not in allowed]:
                     raise BlockError(f"{self.name}: {group}.{name} uses {', '.join(free)}, not among its own symbols")
 
+    @property
+    def sampled(self) -> bool:
+        """Whether it moves at samples only, and stands still between them."""
+        return bool(self.next) and not self.dx and not self.per_step
+
     def rewritten(self, change: Callable[[Symbols], Symbols], **fields: object) -> Block:
         """A copy with `change` applied to each group of expressions, and `fields` replaced."""
         changed: dict[str, Any] = {group: change(getattr(self, group)) for group in ("x0", *_EXPRESSIONS)}

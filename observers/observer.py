@@ -19,7 +19,9 @@ class Sizes:
     """How noisy, how fast and how large a recording is; lengths, forces and times in the paper's units."""
 
     sigma_1: float  # noise of y₁
-    sigma_L1: float  # noise of the measured tendon lengths
+    sigma_F1: float  # noise of y₂ and y₃
+    sigma_F2: float
+    sigma_L1: float  # noise of the tendon lengths that these tell
     sigma_L2: float
     eps_1: float  # ε of the chain of x̂₁
     eps_L: float  # ε of the chains of x̂₃ and x̂₄, of order 2

@@ -118,7 +118,7 @@ def _start(u: Symbols, p: Symbols) -> ca.SX:
 
 def gains(s: Sizes, T: float) -> Mapping[str, float]:
     """Noise and densities for a recording: docs/gains.md."""
-    order_D, order_u = 2, 2
+    order_D, order_u = (int(PARAMETERS[name].default) for name in ("order_D", "order_u"))
     sigma_L = math.sqrt(s.sigma_L1 * s.sigma_L2)
     # a chain of n integrators is as fast as w = (s/(σ√T))^(1/n)
     s_u = sigma_L * math.sqrt(T) / s.eps_L3 ** (order_u + 1)

@@ -14,8 +14,12 @@ def predicted(P: ca.SX, F: ca.SX, noise: ca.SX) -> ca.SX:
 def measured(x: ca.SX, P: ca.SX, i: int, value: ca.SX, R: ca.SX) -> tuple[ca.SX, ca.SX]:
     """Mean (n × 1) and covariance after a measurement of state i, with noise of variance R."""
     # S = P_ii + R,  K = P_i/S,  x⁺ = x + K(y − x_i),  P⁺ = P − K P_iᵀ
-    K = P[:, i] / (P[i, i] + R)
-    return x + K * (value - x[i]), _symmetric(P - K @ P[i, :])
+    S = P[i, i] + R
+    K = P[:, i] / S
+    after = P - K @ P[i, :]
+    # P⁺_i = P_i R/S: the same, without the difference that a small R would be lost in
+    after[i, :] = after[:, i] = P[:, i] * (R / S)
+    return x + K * (value - x[i]), _symmetric(after)
 
 
 def _symmetric(P: ca.SX) -> ca.SX:

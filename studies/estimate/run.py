@@ -12,7 +12,6 @@ from ...codegen.bank import Bank
 from ...codegen.filters import CompiledBank
 from ...model.arrays import Array
 from ...model.block import Block
-from ...model.skeleton import pull
 from ...model.symbols import MEASURED, hat
 from ...observers import OBSERVERS, PAPER, Observer
 from ...observers.tendons import LENGTHS
@@ -145,8 +144,7 @@ def _case(read: Recording, pair: MusclePair, compiled: CompiledBank, paths: Path
         )
     refuse_long_steps(read)
     z = tendon_lengths(compiled, np.array(paths.values(lengths_block(compiled.bank), s.numbers)), y)
-    # acc = R F/m
-    sizes = first_pass(y[:, 0], z[:, 0], z[:, 1], pull(y[:, 1:].T) / s.numbers["plant.m"], period)
+    sizes = first_pass(y.T, z.T, s.numbers["plant.m"], period)
     return Case(read, pair, s, tau, y, z, gaps, sizes, settings)
 
 
