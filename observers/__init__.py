@@ -16,6 +16,7 @@ from .adaptive_sliding_mode import ADAPTIVE_SLIDING_MODE
 from .baseline import baseline
 from .high_gain import HIGH_GAIN
 from .high_gain_3 import HIGH_GAIN_3
+from .kalman.constant import KALMAN_CONSTANT
 from .kalman.filter import KALMAN
 from .observer import Observer
 from .ports import ESTIMATES, INPUTS
@@ -31,6 +32,7 @@ OBSERVERS: Mapping[str, Observer] = {
     "adaptive_sliding_mode": ADAPTIVE_SLIDING_MODE,
     "high_gain_3": HIGH_GAIN_3,
     "kalman": KALMAN,
+    "kalman_constant": KALMAN_CONSTANT,
 }
 # the observers that run where none is named
 PAPER = ("high_gain", "sliding_mode", "adaptive_sliding_mode")

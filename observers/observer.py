@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
@@ -31,11 +32,21 @@ class Sizes:
     U: float  # u₁ and u₂, root mean square
     U_max: float
 
+    @property
+    def sigma_L(self) -> float:
+        """Noise of both tendon lengths."""
+        return math.sqrt(self.sigma_L1 * self.sigma_L2)
+
 
 # name → rate, symbolic in the observer's parameters
 Rates = Callable[[Symbols], Mapping[str, ca.SX]]
 # (sizes, sampling period T in τ) → name → value; what is not named keeps its default
 Gains = Callable[[Sizes, float], Mapping[str, float]]
+
+
+def no_rates(p: Symbols) -> Mapping[str, ca.SX]:
+    """The rates of an observer that moves at samples only: it asks for no step in between."""
+    return {}
 
 
 @dataclass(frozen=True)

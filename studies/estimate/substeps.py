@@ -43,6 +43,8 @@ def substeps(
 
 def _fastest(block: Block, rates: Rates, numbers: Mapping[str, float]) -> float:
     expressions = ca.vertcat(*rates(block.p).values())
+    if not expressions.numel():
+        return 0.0
     values = _numeric(expressions, block.p, numbers)[:, 0]
     if not np.isfinite(values).all():
         wrong = expressions[int(np.argmin(np.isfinite(values)))]

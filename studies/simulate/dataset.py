@@ -57,7 +57,8 @@ def dataset(prepared: Prepared, traces: Mapping[str, Trace], library: str) -> xr
     scores = {name: traces[name].score for name in estimators}
     if truth.failure:  # the sums stop with the truth, they are no measures of the run
         scores = {name: dict.fromkeys(sums, np.nan) for name, sums in scores.items()}
-    errors = {name: measures(sums, grid) for name, sums in scores.items()}
+    blocks = {block.name: block for block in loop.observers}
+    errors = {name: measures(sums, grid.of(blocks[name])) for name, sums in scores.items()}
     for measure, sentence in SENTENCES.items():
         values = np.array([[errors[e][measure][q] for q in QUANTITIES] for e in estimators])
         data[measure] = (("estimator", "quantity"), values, about(sentence))
