@@ -29,6 +29,8 @@ INPUTS: Parameters = {
     "order_u": Parameter(2, "which derivative of u₁ and u₂ is the white noise", CHOSEN, least=1, most=LONGEST),
 }
 
+# speed w of a chain of order 2, times the ε of the triple pole of high gain that is as noisy
+_C1, _CL3 = 0.602, 1.053
 # an input changes by its own size within this time, however slow it is
 _SLOWEST = 3.0
 # noise that is less, over the sampling period, is lost in double precision beside a wrong start
@@ -50,10 +52,10 @@ def resolved(s: Sizes, T: float) -> Sizes:
 
 
 def densities(s: Sizes, T: float) -> dict[str, float]:
-    """√densities with which chains of the default orders are as fast as the first pass asks for."""
-    # s = σ√T/εⁿ, of a chain of n integrators
-    s_D = s.sigma_1 * math.sqrt(T) / s.eps_1 ** (_ORDERS["s_D"] + 2)
-    s_u = s.sigma_L * math.sqrt(T) / s.eps_L3 ** (_ORDERS["s_u1"] + 1)
+    """√densities with which Δ̂ and û take over as much noise as those of high gain with the ε of the first pass."""
+    # s = σ√T wⁿ,  w = c/ε, of a chain of n integrators
+    s_D = s.sigma_1 * math.sqrt(T) * (_C1 / s.eps_1) ** (_ORDERS["s_D"] + 2)
+    s_u = s.sigma_L * math.sqrt(T) * (_CL3 / s.eps_L3) ** (_ORDERS["s_u1"] + 1)
     return {"s_D": s_D, "s_u1": s_u, "s_u2": s_u}
 
 

@@ -11,6 +11,7 @@ import xarray as xr
 from ...codegen.batch import Failure, Trace
 from ...model.arrays import Array
 from ...model.symbols import MEASURED, QUANTITIES, SIGNALS, STATES, hat
+from ...observers.spread import SPREADS, sd
 from ..files.versions import versions
 from ..scenarios.paths import RUN, block_paths
 from ..scenarios.prepare import BASELINE, Prepared
@@ -26,11 +27,18 @@ def dataset(prepared: Prepared, traces: Mapping[str, Trace], library: str) -> xr
     signal = dict(zip(loop.truth.y, truth.y.T, strict=True))
     observers, estimators = list(prepared.observers), [*prepared.observers, BASELINE]
 
+    outputs = {block.name: list(block.y) for block in loop.observers if block.name in observers}
+
+    def told(names: Sequence[str]) -> Array:
+        """(observer, time, name) of the outputs `names`; NaN where an observer has none."""
+        unknown = np.full(n, np.nan)
+        columns = [
+            [traces[o].y[:, outputs[o].index(x)] if x in outputs[o] else unknown for x in names] for o in observers
+        ]
+        return np.array(columns).reshape(len(observers), len(names), n).transpose(0, 2, 1)
+
     def hats(names: Sequence[str]) -> Array:
-        """(observer, time, name) of the estimates of `names`."""
-        outputs = {block.name: list(block.y) for block in loop.observers}
-        columns = [traces[o].y[:, [outputs[o].index(hat(x)) for x in names]] for o in observers]
-        return np.array(columns).reshape(len(observers), n, len(names))
+        return told([hat(name) for name in names])
 
     def true(names: Sequence[str]) -> Array:
         return np.stack([signal[name] for name in names], axis=1)
@@ -47,6 +55,12 @@ def dataset(prepared: Prepared, traces: Mapping[str, Trace], library: str) -> xr
         "a_hat": (("observer", "time", "muscle"), hats(("a1", "a2")), about("estimated activations, within [0, 1]")),
         "Delta_hat": (("observer", "time"), hats(("Delta",))[:, :, 0], about("estimated uncertainty")),
     }
+    if any(set(SPREADS) <= set(names) for names in outputs.values()):
+        for variable, names in (("x", STATES), ("u", ("u1", "u2")), ("a", ("a1", "a2")), ("Delta", ("Delta",))):
+            dims, _, attributes = data[f"{variable}_hat"]
+            values = told([sd(name) for name in names])
+            values = values if len(dims) == values.ndim else values[..., 0]
+            data[sd(variable)] = (dims, values, about(f"standard deviation of the {attributes['long_name']}"))
     if "r" in signal:
         data["r"] = (("time",), signal["r"], about(SIGNALS["r"].sentence))
     states = {block.name: list(block.x) for block in loop.observers}
