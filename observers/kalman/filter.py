@@ -47,10 +47,10 @@ def kalman() -> Block:
         # acc − (p₂z₂ − p₁z₁)/m
         return at.acc - (motion.pull2 * at.L_S2 - motion.pull1 * at.L_S1)
 
-    F = motion.matrix()
-    # x⁻ = F x + …,  P⁻ = F(P + QT/2)Fᵀ + QT/2
-    x = F @ mean.vector() + motion.driven(known(was), known(now))
-    P = predicted(covariance(entries), F, ca.diag(_densities(p)) * T)
+    C, B = motion.factors()
+    # x⁻ = e^{AT} x + …
+    x = C @ (B @ mean.vector()) + motion.driven(known(was), known(now))
+    P = predicted(covariance(entries), (C, B), ca.diag(_densities(p)) * T)
     for name, value, R in _measurements(u, p):
         x, P = measured(x, P, INDEX[name], value, R)
     return Block(

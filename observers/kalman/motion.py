@@ -10,6 +10,7 @@ so errors of the measured forces are errors of x₃ and x₄, and those are in t
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Mapping
 
 import casadi as ca
 
@@ -19,6 +20,8 @@ from .states import CHAINS, INDEX, LONGEST
 _HIGHEST = LONGEST + 2
 # terms of the series of φ_k: the next one is below 1e−17 as long as (ΩT)² is below its limit
 _TERMS, _LARGEST = 13, math.pi**2
+# ∫x₂ from sample to sample
+_WAY = "way"
 # keeps 0/0 out of the limit where no time has passed
 _NO_TIME = 1e-300
 
@@ -34,10 +37,9 @@ class Motion:
         # cos ΩT, sin(ΩT)/Ω, (1 − cos ΩT)/Ω², …: each the integral of the one before
         self._c = [T**k * phi for k, phi in enumerate(self._phi)]
 
-    def matrix(self) -> ca.SX:
-        """F = e^{AT} (n × n), sparse."""
+    def factors(self) -> tuple[ca.SX, ca.SX]:
+        """Sparse C and B with e^{AT} = C B: all lengths share ∫x₂, which B computes once."""
         T, c = self._T, self._c
-        # what each state adds to x₂, and to ∫x₂
         x2 = {"x2": c[0], "x3": -self.pull1 * c[1], "x4": self.pull2 * c[1]}
         way = {"x2": c[1], "x3": -self.pull1 * c[2], "x4": self.pull2 * c[2]}
         for i, (Delta, u1, u2) in enumerate(zip(*CHAINS.values(), strict=True)):
@@ -45,20 +47,15 @@ class Motion:
             way |= {Delta: c[i + 2], u1: -self.pull1 * c[i + 3], u2: self.pull2 * c[i + 3]}
         # the rest moves on its own: 1, T, T²/2, …
         powers = [T**j / math.factorial(j) for j in range(LONGEST + 1)]
-        rows: dict[str, dict[str, ca.SX]] = {"x1": {"x1": powers[0]}, "x2": x2}
-        rows["x3"] = dict(zip(("x3", *CHAINS["u1"]), powers, strict=True))
-        rows["x4"] = dict(zip(("x4", *CHAINS["u2"]), powers, strict=True))
-        for chain in CHAINS.values():
-            rows |= {row: dict(zip(chain[i:], powers, strict=False)) for i, row in enumerate(chain)}
+        alone = [chain[i:] for chain in CHAINS.values() for i in range(LONGEST)]
+        alone += [("x1",), ("x3", *CHAINS["u1"]), ("x4", *CHAINS["u2"])]
+        rows = {chain[0]: dict(zip(chain, powers, strict=False)) for chain in alone}
+        # full rows come last: then the lower triangle of B P Bᵀ is cheap
+        B = _sparse([*rows, "x2", _WAY], INDEX, {**rows, "x2": x2, _WAY: way})
         # x₁⁺ = x₁ + ∫x₂,  x₃⁺ = x₃ + ∫u₁ + ∫x₂,  x₄⁺ = x₄ + ∫u₂ − ∫x₂
-        for row, sign in (("x1", 1), ("x3", 1), ("x4", -1)):
-            for column, value in way.items():
-                rows[row][column] = rows[row].get(column, 0) + sign * value
-        F = ca.SX(len(INDEX), len(INDEX))
-        for row, entries in rows.items():
-            for column, value in entries.items():
-                F[INDEX[row], INDEX[column]] = value
-        return F
+        shared = {"x1": 1, "x3": 1, "x4": -1}
+        added = {row: {row: 1, **({_WAY: shared[row]} if row in shared else {})} for row in INDEX}
+        return _sparse(INDEX, [*rows, "x2", _WAY], added), B
 
     def driven(self, before: ca.SX, after: ca.SX) -> ca.SX:
         """What an acceleration that goes straight from `before` to `after` adds to the state (n × 1)."""
@@ -69,6 +66,17 @@ class Motion:
         for row, value in (("x1", way), ("x2", x2), ("x3", way), ("x4", -way)):
             added[INDEX[row]] = value
         return added
+
+
+def _sparse(
+    rows: Iterable[str], columns: Iterable[str], entries: Mapping[str, Mapping[str, ca.SX | float]]
+) -> ca.SX:
+    rows, columns = list(rows), list(columns)
+    result = ca.SX(len(rows), len(columns))
+    for i, row in enumerate(rows):
+        for column, value in entries[row].items():
+            result[i, columns.index(column)] = value
+    return result
 
 
 def _phi(z: ca.SX) -> list[ca.SX]:

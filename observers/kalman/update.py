@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import casadi as ca
 
 
-def predicted(P: ca.SX, F: ca.SX, noise: ca.SX) -> ca.SX:
-    """The covariance (n × n) after a motion F that white noise drives; `noise` is what it adds meanwhile, QT."""
+def predicted(P: ca.SX, F: Sequence[ca.SX], noise: ca.SX) -> ca.SX:
+    """The covariance (n × n) after a motion that white noise drives.
+
+    F: the motion as factors, the last one first applied; noise: what is added meanwhile, QT.
+    """
     # P⁻ = F(P + QT/2)Fᵀ + QT/2
-    return _symmetric(F @ (P + noise / 2) @ F.T + noise / 2)
+    P = P + noise / 2
+    for factor in reversed(F):
+        P = _symmetric(factor @ P @ factor.T)
+    return P + noise / 2
 
 
 def measured(x: ca.SX, P: ca.SX, i: int, value: ca.SX, R: ca.SX) -> tuple[ca.SX, ca.SX]:
