@@ -61,6 +61,7 @@ class Parameter:
     least: float = -math.inf  # value ≥ least
     below: float = math.inf  # value < below
     most: float = math.inf  # value ≤ most
+    whole: bool = False  # no fraction
     shared: str = ""
 
     def objection(self, value: float) -> str:
@@ -71,6 +72,7 @@ class Parameter:
             (value >= self.least, f"at least {self.least:g}"),
             (value < self.below, f"below {self.below:g}"),
             (value <= self.most, f"at most {self.most:g}"),
+            (not self.whole or float(value).is_integer(), "a whole number"),
         )
         return next((words for holds, words in bounds if not holds), "")
 

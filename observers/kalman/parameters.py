@@ -25,8 +25,8 @@ INPUTS: Parameters = {
     "s_D": Parameter(2.37e-3, "white noise that drives Δ_Φ, √ of its density", CHOSEN, above=0),
     "s_u1": Parameter(4.34e-3, "white noise that drives u₁, √ of its density", CHOSEN, above=0),
     "s_u2": Parameter(4.34e-3, "white noise that drives u₂, √ of its density", CHOSEN, above=0),
-    "order_D": Parameter(2, "which derivative of Δ_Φ is the white noise", CHOSEN, least=1, most=LONGEST),
-    "order_u": Parameter(2, "which derivative of u₁ and u₂ is the white noise", CHOSEN, least=1, most=LONGEST),
+    "order_D": Parameter(2, "which derivative of Δ_Φ is the white noise", CHOSEN, least=1, most=LONGEST, whole=True),
+    "order_u": Parameter(2, "which derivative of u₁ and u₂ is the white noise", CHOSEN, least=1, most=LONGEST, whole=True),
 }
 
 # speed w of a chain of order 2, times the ε of the triple pole of high gain that is as noisy
