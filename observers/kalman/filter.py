@@ -60,9 +60,7 @@ def kalman() -> Block:
         p=p,
         parameters=PARAMETERS,
         next=Symbols({**dict(zip(MEAN, ca.vertsplit(x), strict=True)), **scalars(P), **_kept(now)}),
-        x0=Symbols(
-            x1_hat=u.y1, x3_hat=u.L_S1, x4_hat=u.L_S2, **scalars(ca.diag(_start(u, p))), **_kept(now)
-        ),
+        x0=Symbols(x1_hat=u.y1, x3_hat=u.L_S1, x4_hat=u.L_S2, **scalars(ca.diag(_start(u, p))), **_kept(now)),
         y=Symbols({**mean.only(ESTIMATES), **entries.only(COVARIANCES)}),
     )
 

@@ -68,9 +68,7 @@ class Motion:
         return added
 
 
-def _sparse(
-    rows: Iterable[str], columns: Iterable[str], entries: Mapping[str, Mapping[str, ca.SX | float]]
-) -> ca.SX:
+def _sparse(rows: Iterable[str], columns: Iterable[str], entries: Mapping[str, Mapping[str, ca.SX | float]]) -> ca.SX:
     rows, columns = list(rows), list(columns)
     result = ca.SX(len(rows), len(columns))
     for i, row in enumerate(rows):

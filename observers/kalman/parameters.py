@@ -26,7 +26,9 @@ INPUTS: Parameters = {
     "s_u1": Parameter(4.34e-3, "white noise that drives u₁, √ of its density", CHOSEN, above=0),
     "s_u2": Parameter(4.34e-3, "white noise that drives u₂, √ of its density", CHOSEN, above=0),
     "order_D": Parameter(2, "which derivative of Δ_Φ is the white noise", CHOSEN, least=1, most=LONGEST, whole=True),
-    "order_u": Parameter(2, "which derivative of u₁ and u₂ is the white noise", CHOSEN, least=1, most=LONGEST, whole=True),
+    "order_u": Parameter(
+        2, "which derivative of u₁ and u₂ is the white noise", CHOSEN, least=1, most=LONGEST, whole=True
+    ),
 }
 
 # speed w of a chain of order 2, times the ε of the triple pole of high gain that is as noisy
@@ -37,7 +39,9 @@ _SLOWEST = 3.0
 _RESOLUTION = 1e-7
 _NOISES = ("sigma_1", "sigma_F1", "sigma_F2", "sigma_L1", "sigma_L2")
 # of the chain that each density drives
-_ORDERS = {name: int(INPUTS[order].default) for name, order in (("s_D", "order_D"), ("s_u1", "order_u"), ("s_u2", "order_u"))}
+_ORDERS = {
+    name: int(INPUTS[order].default) for name, order in (("s_D", "order_D"), ("s_u1", "order_u"), ("s_u2", "order_u"))
+}
 
 
 def driven(p: Symbols) -> Iterator[tuple[tuple[str, ...], ca.SX, ca.SX]]:

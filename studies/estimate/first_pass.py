@@ -46,7 +46,7 @@ _BLOCKS, _BLOCK = 10, 10_000
 _FEW = 50
 
 # of a recording too short for statistics
-_SHORT = Sizes(*[1e-3] * 5, eps_1=0.2, eps_L=0.05, eps_L3=0.1, D=0.1, D_max=0.2, U=0.1, U_max=0.3)
+_SHORT = Sizes(1e-3, 1e-3, 1e-3, 1e-3, 1e-3, eps_1=0.2, eps_L=0.05, eps_L3=0.1, D=0.1, D_max=0.2, U=0.1, U_max=0.3)
 
 
 def first_pass(y: Array, z: Array, m: float, T: float) -> Sizes:
@@ -70,7 +70,7 @@ def first_pass(y: Array, z: Array, m: float, T: float) -> Sizes:
 
 def _sizes(signals: Array, T: float) -> Sizes:
     noises = [noise(signal, T) for signal in signals[:-1]]
-    sigma_1, _, _, sigma_L1, sigma_L2 = sigmas = [nu.sigma for nu in noises]
+    sigma_1, sigma_F1, sigma_F2, sigma_L1, sigma_L2 = (nu.sigma for nu in noises)
     # forces count as lengths and as acceleration
     seen, spreads = signals[[0, 3, 4, 5]], [sigma_1, sigma_L1, sigma_L2, _SPREAD * float(np.ptp(signals[-1]))]
     y1, z1, z2, acc = clean = np.array([despiked(*pair) for pair in zip(seen, spreads, strict=True)])
@@ -89,7 +89,8 @@ def _sizes(signals: Array, T: float) -> Sizes:
         return bounded(c * math.sqrt(first * second), _SLOWEST_L)
 
     eps_L, eps_L3 = chain(_CL, 2), chain(_CL3, 3)
-    return Sizes(*sigmas, eps_1, eps_L, eps_L3, *_inputs(clean, T, eps_1, eps_L, noises[0]))
+    inputs = _inputs(clean, T, eps_1, eps_L, noises[0])
+    return Sizes(sigma_1, sigma_F1, sigma_F2, sigma_L1, sigma_L2, eps_1, eps_L, eps_L3, *inputs)
 
 
 def _inputs(signals: Array, T: float, eps_1: float, eps_L: float, noise_1: Noise) -> tuple[float, float, float, float]:

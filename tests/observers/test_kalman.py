@@ -13,13 +13,13 @@ from scipy.linalg import expm
 
 from hillobs.codegen.bank import Bank
 from hillobs.codegen.filters import CompiledBank
-from hillobs.model.block import Block, Symbols, symbols
-from hillobs.model.curves import NGUYEN2019, tendon_parameters
+from hillobs.model.block import Block, Symbols
 from hillobs.model.wiring import rename, wire
+from hillobs.observers import estimator
 from hillobs.observers.kalman.constant import KALMAN_CONSTANT, butterworth
 from hillobs.observers.kalman.filter import kalman
 from hillobs.observers.kalman.motion import Motion
-from hillobs.observers.kalman.states import ENTRIES, INDEX, MEAN, QUANTITIES, covariance
+from hillobs.observers.kalman.states import ENTRIES, INDEX, MEAN, QUANTITIES
 from hillobs.observers.slopes import tendon_slopes
 from hillobs.observers.spread import COVARIANCES, SPREADS, entry, spread
 from hillobs.observers.tendons import tendons
@@ -56,11 +56,16 @@ def followed(t: np.ndarray, y: np.ndarray, given: Mapping[str, float]) -> tuple[
     (block,) = bank.bank.observers
     values = [given.get(name, parameter.default) for name, parameter in block.parameters.items()]
     found = bank.follow("kalman", values, 1).samples(t, y).y
-    P = np.zeros((len(t), len(INDEX), len(INDEX)))
-    for place, name in enumerate(ENTRIES, start=len(MEAN)):
+    return found[:, : len(MEAN)], matrices(found[:, len(MEAN) :])
+
+
+def matrices(entries: np.ndarray) -> np.ndarray:
+    """Covariances (samples × 13 × 13) of their entries."""
+    P = np.zeros((len(entries), len(INDEX), len(INDEX)))
+    for place, name in enumerate(ENTRIES):
         i, j = (INDEX[part] for part in name.split(".")[1:])
-        P[:, i, j] = P[:, j, i] = found[:, place]
-    return found[:, : len(MEAN)], P
+        P[:, i, j] = P[:, j, i] = entries[:, place]
+    return P
 
 
 def in_use(model: Model) -> list[int]:
@@ -122,9 +127,7 @@ def exact(p1: float, p2: float, m: float, T: float) -> np.ndarray:
 
 
 @settings(max_examples=60)
-@given(
-    p=st.tuples(*[st.floats(0.5, 60)] * 2), m=st.floats(1e-3, 1e3), T=st.floats(1e-4, 0.7)
-)
+@given(p=st.tuples(*[st.floats(0.5, 60)] * 2), m=st.floats(1e-3, 1e3), T=st.floats(1e-4, 0.7))
 def test_the_motion_in_closed_form_is_the_exponential(p: tuple[float, float], m: float, T: float) -> None:
     # beyond ΩT = π the tendons count as softer
     softer = min(1.0, np.pi**2 * m / (sum(p) * T**2))
@@ -162,9 +165,84 @@ def test_the_covariance_stays_positive_over_a_million_samples() -> None:
     for piece in range(100):
         t, y = recorded(10_000, seed=piece)
         found = filter_.samples(t + piece * 1000, y).y
-        P = np.zeros((len(t), len(INDEX), len(INDEX)))
-        for place, name in enumerate(ENTRIES, start=len(MEAN)):
-            i, j = (INDEX[part] for part in name.split(".")[1:])
-            P[:, i, j] = P[:, j, i] = found[:, place]
+        P = matrices(found[:, len(MEAN) :])
         used = in_use(Model())
         assert_positive(P[:, used][:, :, used])
+
+
+# constant gains
+
+
+@pytest.mark.parametrize("n", [2, 3, 4, 5])
+def test_the_constant_gains_are_the_limit_of_the_riccati_recursion(n: int) -> None:
+    sigma, T = 1e-3, 0.01
+    errors = []
+    for wT in (0.04, 0.02):
+        # s = σ√T wⁿ
+        s = sigma * np.sqrt(T) * (wT / T) ** n
+        K = independent.steady_gains(n, s, sigma, T) / T / (wT / T) ** np.arange(1, n + 1)
+        errors.append(np.abs(K - butterworth(n)).max())
+    # a sampled filter has the gains of the continuous one up to O(wT)
+    assert errors[1] < 0.02 * n * max(butterworth(n))
+    assert errors[0] / errors[1] == pytest.approx(2, rel=0.1)
+
+
+@pytest.mark.parametrize("n", range(1, 6))
+def test_a_butterworth_polynomial_has_all_its_roots_on_the_left_half_of_the_unit_circle(n: int) -> None:
+    roots = np.roots([1, *butterworth(n)])
+    # of the double roots that numpy does not have here: simple ones, good to a few roundings
+    np.testing.assert_allclose(np.abs(roots), 1, rtol=1e-12)
+    assert (roots.real < 0).all()
+    # D(s)D(−s) = 1 + (−s²)ⁿ, the spectral factorisation of the steady filter
+    np.testing.assert_allclose(roots ** (2 * n), -((-1) ** n), rtol=1e-11)
+
+
+@pytest.mark.parametrize("orders", ORDERS)
+def test_the_injections_are_those_of_the_chains_in_use(orders: tuple[int, int]) -> None:
+    block = KALMAN_CONSTANT.build()
+    given = {"order_D": orders[0], "order_u": orders[1], "s_D": 0.3, "s_u1": 0.2, "s_u2": 0.1}
+    numbers = {**{name: parameter.default for name, parameter in block.parameters.items()}, **given}
+    injections = ca.jacobian(block.dx.vector(), ca.vertcat(block.u.y1, block.u.L_S1, block.u.L_S2))
+    found = np.array(ca.DM(ca.substitute(injections, block.p.vector(), ca.DM([numbers[name] for name in block.p]))))
+    rows = {"y1": ("x1", "x2", "Delta", "dDelta", "ddDelta"), "L_S1": ("x3", "u1", "du1", "ddu1")}
+    rows["L_S2"] = ("x4", "u2", "du2", "ddu2")
+    sigmas, chains = ("sigma_1", "sigma_L", "sigma_L"), zip((0, 1, 1), ("s_D", "s_u1", "s_u2"), strict=True)
+    for k, (names, sigma, (which, s)) in enumerate(zip(rows.values(), sigmas, chains, strict=True)):
+        n = orders[which] + (2 if which == 0 else 1)
+        w = (numbers[s] / (numbers[sigma] * np.sqrt(numbers["T"]))) ** (1 / n)
+        expected = np.zeros(len(INDEX))
+        expected[[INDEX[name] for name in names[:n]]] = w ** np.arange(1, n + 1) * butterworth(n)
+        np.testing.assert_allclose(found[:, k], expected, rtol=1e-12)
+
+
+# what it says of its errors
+
+
+def test_a_standard_deviation_is_that_of_the_covariance_carried_through_the_activation() -> None:
+    block = spread()
+    random = np.random.default_rng(5)
+    root = random.normal(size=(7, 7)) * 1e-3
+    names = ("x1", "x2", "x3", "x4", "Delta", "u1", "u2")
+    P, x = root @ root.T, dict(zip(names, (2.62, 0.01, 2.02, 2.021, 0.01, 0.05, -0.04), strict=True))
+    values = {f"{name}_hat": value for name, value in x.items()}
+    values |= {entry(a, b): P[i, j] for i, a in enumerate(names) for j, b in enumerate(names) if entry(a, b) in block.u}
+    function = ca.Function("spread", [block.u.vector(), block.p.vector()], [block.y.vector()])
+    defaults = [parameter.default for parameter in block.parameters.values()]
+    found = dict(zip(block.y, np.array(function([values[name] for name in block.u], defaults)).ravel(), strict=True))
+    assert list(found) == list(SPREADS)
+
+    def estimated(x: np.ndarray) -> np.ndarray:
+        """x, a₁, a₂, L_C1, L_C2."""
+        x1, _, x3, x4, _, u1, u2 = x
+        a = activation(np.array([x1]), np.array([[x3], [x4]]), np.array([[u1], [u2]]), 5.54, Curves())
+        return np.array([x1, x[1], x3, x4, *x[4:], *a[:, 0], x1 - x3, 5.54 - x1 - x4])
+
+    at, step = np.array(list(x.values())), 1e-6
+    # central differences are good to 1e−6² of third derivatives of up to 1e3, and to 2⁻⁵²/1e−6
+    J = np.stack([(estimated(at + d) - estimated(at - d)) / (2 * step) for d in step * np.eye(7)], axis=1)
+    np.testing.assert_allclose(list(found.values()), np.sqrt(np.diagonal(J @ P @ J.T)), rtol=1e-6)
+
+
+def test_without_a_covariance_nobody_tells_how_sure_it_is(proportional: Block) -> None:
+    assert not [name for name in estimator(proportional).y if name in SPREADS]
+    assert set(COVARIANCES) <= set(kalman().y)

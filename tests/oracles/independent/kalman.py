@@ -1,5 +1,6 @@
 """The Kalman filter in dense matrices, with the states of its orders only; and others of the plant itself."""
 
+import itertools
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -8,6 +9,8 @@ import numpy as np
 from scipy.linalg import expm
 
 from .muscle import Curves, Phi_S, Phi_S_inv, dPhi_S
+
+TENDON = Curves()
 
 
 @dataclass(frozen=True)
@@ -24,7 +27,7 @@ class Model:
     def chains(self) -> list[slice]:
         """Where Δ, u₁, u₂ and their derivatives are among the states; x₁ … x₄ come first."""
         ends = 4 + np.cumsum([0, self.order_D, self.order_u, self.order_u])
-        return [slice(int(a), int(b)) for a, b in zip(ends, ends[1:], strict=False)]
+        return [slice(int(a), int(b)) for a, b in itertools.pairwise(ends)]
 
     @property
     def n(self) -> int:
@@ -46,30 +49,30 @@ class Model:
             Q[chain.stop - 1, chain.stop - 1] = s**2
         return Q
 
-    def start(self, y: np.ndarray, R: np.ndarray, c: Curves) -> tuple[np.ndarray, np.ndarray]:
+    def start(self, y: np.ndarray, R: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         x, sd = np.zeros(self.n), np.zeros(self.n)
-        x[[0, 2, 3]] = y[0], *Phi_S_inv(y[1:, None], c)[:, 0]
+        x[[0, 2, 3]] = y[0], *Phi_S_inv(y[1:, None], TENDON)[:, 0]
         sd[[0, 2, 3]], sd[1] = 2 * np.sqrt(R), 0.3
         for first, chain in zip((0.5, 0.3, 0.3), self.chains, strict=True):
             sd[chain] = first * 3.0 ** np.arange(chain.stop - chain.start)
         return x, np.diag(sd**2)
 
 
-def tendon_slopes(z: np.ndarray, c: Curves) -> np.ndarray:
-    return np.maximum(dPhi_S(z[:, None], c)[:, 0], 0.05 * c.k)
+def tendon_slopes(z: np.ndarray) -> np.ndarray:
+    return np.maximum(dPhi_S(z[:, None], TENDON)[:, 0], 0.05 * TENDON.k)
 
 
-def kalman(model: Model, t: np.ndarray, y: np.ndarray, c: Curves = Curves()) -> tuple[np.ndarray, np.ndarray]:
+def kalman(model: Model, t: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Means (samples × n) and covariances (samples × n × n) after each sample."""
     x = P = before = None
     every = []
     for now, measured in zip(t, y, strict=True):
-        z = Phi_S_inv(measured[1:, None], c)[:, 0]
-        p = tendon_slopes(z, c)
+        z = Phi_S_inv(measured[1:, None], TENDON)[:, 0]
+        p = tendon_slopes(z)
         R = np.array([model.sigma[0], *(np.array(model.sigma[1:]) / p)]) ** 2
         acc = (measured[2] - measured[1]) / model.m
         if before is None:
-            x, P = model.start(measured, R, c)
+            x, P = model.start(measured, R)
         else:
             t0, p0, z0, acc0 = before
             T, slope = now - t0, (p + p0) / 2 / model.m
@@ -101,33 +104,33 @@ def kalman(model: Model, t: np.ndarray, y: np.ndarray, c: Curves = Curves()) -> 
 class Plant:
     """The plant as it is: ẋ₂ = (Φ_S(x₄) − Φ_S(x₃))/m + Δ, measured forces Φ_S(x₃), Φ_S(x₄)."""
 
-    def __init__(self, model: Model, c: Curves = Curves()) -> None:
-        self.model, self.c, self.A = model, c, model.drift()
+    def __init__(self, model: Model) -> None:
+        self.model, self.A = model, model.drift()
 
     def moved(self, x: np.ndarray, T: float, n: int = 40) -> np.ndarray:
         return rk4(self.rates, x, T, n)
 
     def rates(self, x: np.ndarray) -> np.ndarray:
         d = self.A @ x
-        forces = Phi_S(x[2:4], self.c)
+        forces = Phi_S(x[2:4], TENDON)
         d[1] += (forces[1] - forces[0]) / self.model.m
         return d
 
     def seen(self, x: np.ndarray) -> np.ndarray:
-        return np.concatenate([x[:1], Phi_S(x[2:4], self.c)])
+        return np.concatenate([x[:1], Phi_S(x[2:4], TENDON)])
 
     def tangents(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """∂ẋ/∂x and ∂y/∂x."""
-        p, A, H = dPhi_S(x[2:4], self.c), self.A.copy(), np.zeros((3, len(x)))
+        p, A, H = dPhi_S(x[2:4], TENDON), self.A.copy(), np.zeros((3, len(x)))
         A[1, 2], A[1, 3] = -p[0] / self.model.m, p[1] / self.model.m
         H[0, 0], H[1, 2], H[2, 3] = 1, *p
         return A, H
 
 
-def extended(model: Model, t: np.ndarray, y: np.ndarray, c: Curves = Curves()) -> tuple[np.ndarray, np.ndarray]:
+def extended(model: Model, t: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The extended Kalman filter of the plant."""
-    plant, R = Plant(model, c), np.diag(np.square(model.sigma))
-    x, P = model.start(y[0], np.diag(R) / np.array([1, c.k, c.k]) ** 2, c)
+    plant, R = Plant(model), np.diag(np.square(model.sigma))
+    x, P = model.start(y[0], np.diag(R) / np.array([1, TENDON.k, TENDON.k]) ** 2)
     every = []
     for i, measured in enumerate(y):
         if i:
@@ -141,11 +144,11 @@ def extended(model: Model, t: np.ndarray, y: np.ndarray, c: Curves = Curves()) -
     return np.array([x for x, _ in every]), np.array([P for _, P in every])
 
 
-def unscented(model: Model, t: np.ndarray, y: np.ndarray, c: Curves = Curves()) -> tuple[np.ndarray, np.ndarray]:
+def unscented(model: Model, t: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The unscented Kalman filter of the plant."""
-    plant = Plant(model, c)
-    R = np.array([model.sigma[0], *(np.array(model.sigma[1:]) / c.k)]) ** 2
-    x, P = model.start(y[0], R, c)
+    plant = Plant(model)
+    R = np.array([model.sigma[0], *(np.array(model.sigma[1:]) / TENDON.k)]) ** 2
+    x, P = model.start(y[0], R)
     every = []
     for i, measured in enumerate(y):
         if i:
