@@ -394,7 +394,8 @@ def errors(observer: str, y: np.ndarray, truth: dict[str, np.ndarray], found: di
     starts = zip(("x1", "x3", "x4"), y[:3, 0], strict=True)
     numbers |= {"m": 1.0, **{f"initial.{name}_hat": value for name, value in starts}}
     t = np.arange(y.shape[1]) * 0.05
-    out = followers().follow(observer, list(numbers.values()), steps(observer, found, 0.05)).samples(t, y.T).y
+    values = [numbers[name] for name in block.p]
+    out = followers().follow(observer, values, steps(observer, found, 0.05)).samples(t, y.T).y
     late = slice(len(t) // 10, None)
     return {name: rms((out[:, list(block.y).index(f"{name}_hat")] - signal)[late]) for name, signal in truth.items()}
 
