@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import replace
 
 import casadi as ca
 
@@ -25,7 +24,8 @@ from .states import LONGEST, MEAN
 _SLOPE = 13.5
 
 PARAMETERS: Parameters = {
-    **{name: replace(p, shared=f"kalman.{name}") for name, p in {"sigma_1": NOISE["sigma_1"], **INPUTS}.items()},
+    "sigma_1": NOISE["sigma_1"],
+    **INPUTS,
     "sigma_L": Parameter(
         PAPER_NOISE / _SLOPE, "sd of the tendon lengths that y₂, y₃ tell", f"{FROM_BOUNDS}, over Φ′_S(2.018)", above=0
     ),

@@ -30,7 +30,9 @@ def test_a_missing_port_is_named(proportional: Block) -> None:
 
 def test_an_observer_sees_the_sensors_only(proportional: Block) -> None:
     cheat = dataclasses.replace(proportional, u=Symbols({**proportional.u, **symbols("x2")}))
-    assert conformance(cheat) == ["proportional: an observer sees t, y1, y2, y3, L_S1, L_S2 only, not x2"]
+    assert conformance(cheat) == [
+        "proportional: an observer sees t, y1, y2, y3, L_S1, L_S2, slope1, slope2 only, not x2"
+    ]
 
 
 def test_what_is_not_finite_for_a_slack_tendon_is_found(proportional: Block) -> None:
