@@ -19,7 +19,7 @@ from .states import CHAINS, INDEX, LONGEST
 # φ_k up to here: what the last derivative in a chain of u adds to ∫x₂
 _HIGHEST = LONGEST + 2
 # terms of the series of φ_k: the next one is below 1e−17 as long as (ΩT)² is below its limit
-_TERMS, _LARGEST = 13, math.pi**2
+_TERMS, _LARGEST = 24, 10.0**2
 # ∫x₂ from sample to sample
 _WAY = "way"
 # keeps 0/0 out of the limit where no time has passed
@@ -30,7 +30,7 @@ class Motion:
     """What happens within a time T, for slopes p₁, p₂ of the tendons over that time."""
 
     def __init__(self, p1: ca.SX, p2: ca.SX, m: ca.SX, T: ca.SX) -> None:
-        # samples that miss the swing, ΩT > π, are followed as if tendons were softer
+        # where samples miss the swing by far, ΩT > 10, the series would lose digits: tendons count as softer
         softer = ca.fmin(1, _LARGEST * m / ca.fmax((p1 + p2) * T**2, _NO_TIME))
         self.pull1, self.pull2, self._T = softer * p1 / m, softer * p2 / m, T
         self._phi = _phi((self.pull1 + self.pull2) * T**2)

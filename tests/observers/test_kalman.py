@@ -129,10 +129,11 @@ def exact(p1: float, p2: float, m: float, T: float) -> np.ndarray:
 @settings(max_examples=60)
 @given(p=st.tuples(*[st.floats(0.5, 60)] * 2), m=st.floats(1e-3, 1e3), T=st.floats(1e-4, 0.7))
 def test_the_motion_in_closed_form_is_the_exponential(p: tuple[float, float], m: float, T: float) -> None:
-    # beyond ΩT = π the tendons count as softer
-    softer = min(1.0, np.pi**2 * m / (sum(p) * T**2))
+    # beyond ΩT = 10 the tendons count as softer
+    softer = min(1.0, 10**2 * m / (sum(p) * T**2))
     expected = exact(softer * p[0], softer * p[1], m, T)
-    np.testing.assert_allclose(motion(*p, m, T), expected, rtol=1e-11, atol=1e-13 * np.abs(expected).max())
+    # the recursion multiplies roundings of φ₄ by (ΩT)⁴ ≤ 10⁴
+    np.testing.assert_allclose(motion(*p, m, T), expected, rtol=1e-11, atol=1e-12 * np.abs(expected).max())
 
 
 def test_no_time_is_no_motion() -> None:
