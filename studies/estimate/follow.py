@@ -79,7 +79,10 @@ def lengths_block(bank: Bank) -> Block:
 def followed(
     compiled: CompiledBank, observer: str, numbers: Array, substeps: int, period: float, t: Array, y: Array
 ) -> Iterator[tuple[slice, Array, Array]]:
-    """Samples, and outputs and guards there, piece by piece; `substeps` are those of a step of one `period`."""
+    """Samples, and outputs and guards there, piece by piece.
+
+    substeps: those of a step of one `period`; longer steps are filled with samples in straight lines.
+    """
     filter_ = compiled.follow(observer, numbers, substeps)
     for start in range(0, len(t), _CHUNK):
         piece, before = slice(start, start + _CHUNK), slice(max(0, start - 1), start + _CHUNK)

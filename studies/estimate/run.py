@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -161,7 +162,9 @@ def _follow(
     steps = substeps(observer, block, dict(zip(block.p, numbers, strict=True)), first, case.period)
     kept = len(range(len(case.tau))[case.kept])
     y, guards, place = np.empty((kept, len(block.y))), np.empty((kept, len(block.guards))), 0
-    for piece, outputs, active in followed(compiled, name, np.array(numbers), steps, case.period, case.tau, case.y):
+    # what moves at samples only knows how long a step is, and needs none filled in
+    longest = math.inf if block.sampled else case.period
+    for piece, outputs, active in followed(compiled, name, np.array(numbers), steps, longest, case.tau, case.y):
         chosen = slice(-piece.start % case.settings.keep_every, None, case.settings.keep_every)
         here = slice(place, place + len(outputs[chosen]))
         y[here], guards[here], place = outputs[chosen], active[chosen], here.stop

@@ -41,6 +41,12 @@ def test_what_is_not_finite_for_a_slack_tendon_is_found(proportional: Block) -> 
     assert conformance(broken)[0] == "proportional: step not finite at the measured forces 0"
 
 
+def test_what_is_not_finite_at_a_sample_is_found(proportional: Block) -> None:
+    u, dx = proportional.u, Symbols({name: rate for name, rate in proportional.dx.items() if name != "x3_hat"})
+    broken = dataclasses.replace(proportional, dx=dx, next=Symbols(x3_hat=u.y1 / u.y2))
+    assert conformance(broken)[0] == "proportional: sample not finite at the measured forces 0"
+
+
 def test_an_undescribed_parameter_is_found(proportional: Block) -> None:
     bare = dataclasses.replace(proportional, parameters={"gain": Parameter(1.0, "", "", above=0)})
     assert conformance(bare) == ["proportional: parameter gain needs a sentence, a source and a unit"]

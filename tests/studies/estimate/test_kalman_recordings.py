@@ -13,7 +13,7 @@ from hillobs.observers.observer import Sizes
 from hillobs.studies.estimate.run import estimate
 from hillobs.studies.estimate.scores import SETTLED
 from hillobs.studies.laboratory.recording import Recording
-from shipped_recording import MUSCLES, rmse
+from shipped_recording import MUSCLES, part, rmse
 
 pytestmark = pytest.mark.numerics
 
@@ -52,6 +52,18 @@ def test_a_standard_deviation_has_the_unit_of_its_estimate_and_no_one_else_has_o
         assert (deviation.sel(observer="kalman") > 0).all()
         assert np.isnan(deviation.sel(observer="high_gain")).all()
     assert not [name for name in estimate(short, MUSCLES, ["high_gain"]) if name.endswith("_sd")]
+
+
+def test_where_samples_are_missing_it_is_less_sure(short: Recording) -> None:
+    """A straight line through the gap would count as measured."""
+    first, last = 150, 168
+    present = np.r_[0:first, last : len(short)]
+    of = estimate(part(short, present), MUSCLES, ["kalman"]).sel(observer="kalman")
+    for name in ("velocity", "disturbance", "fibre_velocity", "activation"):
+        deviation = of[f"{name}_sd"].values
+        assert (deviation[first] > 1.1 * deviation[first - 1]).all(), name
+        # and as sure as ever some time later
+        assert (deviation[-1] < 1.05 * deviation[first - 1]).all(), name
 
 
 def passed(injections: list[float], i: int) -> float:
