@@ -59,7 +59,7 @@ def test_where_samples_are_missing_it_is_less_sure(short: Recording) -> None:
     first, last = 150, 168
     present = np.r_[0:first, last : len(short)]
     of = estimate(part(short, present), MUSCLES, ["kalman"]).sel(observer="kalman")
-    for name in ("velocity", "disturbance", "fibre_velocity", "activation"):
+    for name in ("position", "velocity", "disturbance", "fibre_length"):
         deviation = of[f"{name}_sd"].values
         assert (deviation[first] > 1.1 * deviation[first - 1]).all(), name
         # and as sure as ever some time later
