@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 CODE := model observers codegen studies hillobs tests benchmarks
 
 .DEFAULT_GOAL := help
-.PHONY: help sim sweep estimate test portable check format lint types imports observability chaos bench clean
+.PHONY: help sim sweep estimate test portable check format lint types imports observability chaos hostile bench clean
 
 help: ## show this help
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 16
@@ -55,6 +55,10 @@ observability: $(VENV)/.installed ## ranks, maps and figures of docs/observabili
 
 chaos: $(VENV)/.installed ## long fault injection: kills, full disks, races
 	$(BIN)/python -m pytest -m chaos -p no:cacheprovider
+
+# SEED=1 draws others, CASES=200 fewer, CASE=17 one of them again
+hostile: $(VENV)/.installed ## 2,000 drawn commands among drawn files, surroundings and signals: no promise may break
+	PYTHONPATH=tests $(BIN)/python -m hostile --seed $(or $(SEED),0) --cases $(or $(CASES),2000) $(if $(CASE),--case $(CASE))
 
 # peers that fail to install are skipped
 $(VENV)/.bench: $(VENV)/.installed

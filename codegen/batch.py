@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..model.arrays import Array
 from ..model.block import Block
 from .cache import BuildError
+from .failure import Failure, failure
 from .library import load
 from .loop import Loop, export_loop
 from .memory import Compiled, Grid, Memory, Whole
@@ -22,15 +23,6 @@ from .toolchain import NATIVE
 
 # grid points × vectors of lanes in one call: well below 0.1 s
 _SLICE = 20_000
-
-
-@dataclass(frozen=True)
-class Failure:
-    """Why and when a part of the loop has no more numbers: `name` is a state, an output or a domain of it."""
-
-    time: float
-    group: str  # "x", "y" or "domain"
-    name: str
 
 
 @dataclass(frozen=True)
@@ -123,17 +115,16 @@ class CompiledLoop:
         return [self.loop.truth, self.loop.sensors, *(by_name[name] for name in observers)]
 
     def _trace(self, block: Block, memory: Memory, grid: Grid) -> Trace:
-        outcome, failure = _outcome(block, memory, self.loop.truth), None
+        outcome, failed = _outcome(block, memory, self.loop.truth), None
         if (at := int(outcome.failed[0])) >= 0:
-            named = [(group, name) for group in ("x", "y", "domain") for name in getattr(block, group)]
-            failure = Failure(at * grid.h, *named[int(outcome.cause[0])])
+            failed = failure(block, at * grid.h, int(outcome.cause[0]), memory.numbers(block, "scales")[0])
         active = memory.numbers(block, "guards")[0] * grid.h
         return Trace(
             x=memory.records[block.name, "x"][0],
             y=memory.records[block.name, "y"][0],
             guards=dict(zip(block.guards, active.tolist(), strict=True)),
             score=dict(zip(self.loop.score.x, outcome.sums[0].tolist(), strict=False)),
-            failure=failure,
+            failure=failed,
         )
 
     def _ask(self, description: Mapping[str, Any]) -> Compiled:

@@ -14,7 +14,6 @@ import json
 import os
 import re
 import shutil
-import stat
 import tempfile
 import threading
 import warnings
@@ -26,6 +25,7 @@ import platformdirs
 
 from ..model.errors import Error
 from .system.locks import locked, wait_for
+from .system.trust import DistrustError, folder_objection, make_folder, read_trusted, write_new
 
 ABI = 1  # what a library and its caller agree on; raised with each change of the exported functions
 
@@ -115,7 +115,7 @@ def cache_folder() -> Path:
     folder = _location()
     if not os.path.lexists(folder) and folder.is_absolute():
         try:
-            _make_folder(folder)
+            make_folder(folder)
         except OSError as error:
             return _private_folder(f"{folder} cannot be made ({_words(error)})")
     if reason := _distrust(folder):
@@ -170,16 +170,6 @@ def kept_sources() -> dict[Path, str]:
     return {path: title for _, path, title in sorted(dated, reverse=True)}
 
 
-def write_new(path: Path, content: bytes) -> None:
-    """Write a file that must not exist yet, for us alone whatever the umask, and wait for the disk."""
-    handle = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW | os.O_CLOEXEC, 0o600)
-    with os.fdopen(handle, "wb") as file:
-        os.fchmod(handle, 0o600)
-        file.write(content)
-        file.flush()
-        os.fsync(handle)
-
-
 def _location() -> Path:
     """Return where the cache should be: HILLOBS_CACHE, `build/cache` of a checkout, the user's cache folder."""
     if given := os.environ.get("HILLOBS_CACHE"):
@@ -201,22 +191,9 @@ def _distrust(folder: Path) -> str:
     if not folder.is_absolute():
         return "is not an absolute path"
     try:
-        info = os.lstat(folder)
+        return folder_objection(os.lstat(folder))
     except OSError as error:
         return f"cannot be looked at ({_words(error)})"
-    if not stat.S_ISDIR(info.st_mode):
-        return "is a link" if stat.S_ISLNK(info.st_mode) else "is not a folder"
-    if info.st_uid != os.geteuid():
-        return "belongs to another user"
-    return "can be written by others" if info.st_mode & 0o022 else ""
-
-
-def _make_folder(folder: Path) -> None:
-    if not folder.parent.is_dir():
-        _make_folder(folder.parent)
-    with contextlib.suppress(FileExistsError):
-        os.mkdir(folder, 0o700)
-        os.chmod(folder, 0o700)  # the umask may have taken our own rights
 
 
 def _private_folder(reason: str) -> Path:
@@ -321,17 +298,10 @@ def _read_or_damage(path: Path, limit: int) -> bytes:
 
 
 def _read(path: Path, limit: int) -> bytes:
-    """Return the bytes of a regular file of ours that no one else may write."""
-    handle = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
-    with os.fdopen(handle, "rb") as file:
-        info = os.fstat(handle)
-        if not stat.S_ISREG(info.st_mode):
-            raise _DamageError(f"{path} is not a file")
-        if info.st_uid != os.geteuid() or info.st_mode & 0o022:
-            raise _DamageError(f"{path} could have been written by others")
-        if info.st_size > limit:
-            raise _DamageError(f"{path} has {info.st_size} bytes, more than {limit}")
-        return file.read(info.st_size + 1)
+    try:
+        return read_trusted(path, limit)
+    except DistrustError as error:
+        raise _DamageError(f"{path} {error}") from error
 
 
 @contextlib.contextmanager

@@ -8,8 +8,8 @@ import casadi as ca
 
 from .lowering import as_written, lowered
 
-# this role runs once and takes the parameters themselves
-_ONCE = "init"
+# these roles run once and take the parameters themselves
+_ONCE = ("init", "scales")
 
 
 def hoisted(name: str, table: Mapping[str, ca.Function]) -> dict[str, ca.Function]:
@@ -17,8 +17,8 @@ def hoisted(name: str, table: Mapping[str, ca.Function]) -> dict[str, ca.Functio
 
     One more, `constants(h, p)` → c, holds what they need of p, h and what follows from them.
     """
-    moving = {role: f for role, f in table.items() if role != _ONCE}
-    h, p = ca.SX.sym("h"), ca.SX.sym("p", table[_ONCE].numel_in("p"))
+    moving = {role: f for role, f in table.items() if role not in _ONCE}
+    h, p = ca.SX.sym("h"), ca.SX.sym("p", table["init"].numel_in("p"))
     arguments: dict[str, dict[str, ca.SX]] = {}
     results: list[ca.SX] = []
     for role, f in moving.items():
@@ -32,7 +32,7 @@ def hoisted(name: str, table: Mapping[str, ca.Function]) -> dict[str, ca.Functio
         reduced = ca.cse(ca.substitute(reduced, [ca.vertcat(*symbols)], [c]) if symbols else reduced)
     constants = ca.cse(ca.densify(ca.vertcat(*values)))
     done = {
-        _ONCE: table[_ONCE],
+        **{role: table[role] for role in _ONCE},
         "constants": ca.Function(f"{name}_constants", [h, p], [constants], ["h", "p"], ["c"]),
     }
     for role, f in moving.items():

@@ -14,6 +14,7 @@ _KERNEL = "hillobs.codegen.kernel"
 # what a block of the loop can do: arguments and results of each role, in the order of the kernel's calls
 _ROLES = {
     "constants": (("h", "p"), ("c",)),
+    "scales": (("h", "p"), ("scales",)),
     "init": (("t", "p", "held", "staged"), ("x_next",)),
     "step": (("t", "c", "x", "held", "staged"), ("x_next", "stages")),
     "sample": (("t", "c", "x", "held", "staged"), ("x_next",)),
@@ -95,16 +96,26 @@ def _part(block: Block, table: Mapping[str, ca.Function]) -> str:
         "SAMPLED": int(block.sampled),
     }
     roles = [_role(role, table[role]) for role in _ROLES if role in table]
-    return f"struct Part_{block.name} {{\n    {_enumeration(sizes)}{_total(block)}{''.join(roles)}}};\n"
+    return f"struct Part_{block.name} {{\n    {_enumeration(sizes)}{_magnitude(block)}{''.join(roles)}}};\n"
 
 
-def _total(block: Block) -> str:
-    """The sum of all states and outputs, which is finite only if they are; an output that is a state counts once."""
+def _magnitude(block: Block) -> str:
+    """The sum of |value| · scale of all states and outputs: each is within its limit if that is at most 1.
+
+    An output that is a state counts once.
+    """
     states = {symbol.element_hash() for symbol in block.x.values()}
-    terms = [f"x[{i}]" for i in range(len(block.x))]
-    terms += [f"y[{i}]" for i, output in enumerate(block.y.values()) if output.element_hash() not in states]
+    terms = [f"fabs(x[{i}]) * scales[{i}]" for i in range(len(block.x))]
+    terms += [
+        f"fabs(y[{i}]) * scales[{len(block.x) + i}]"
+        for i, output in enumerate(block.y.values())
+        if output.element_hash() not in states
+    ]
     total = " + ".join(terms or ["V(0.0)"])
-    return f"    INLINE V total(const V *x, const V *y) {{ (void)x, (void)y; return {total}; }}\n"
+    return (
+        "    INLINE V magnitude(const V *x, const V *y, const V *scales) {\n"
+        f"        (void)x, (void)y, (void)scales;\n        return {total};\n    }}\n"
+    )
 
 
 def _role(role: str, function: ca.Function) -> str:

@@ -15,6 +15,7 @@ from .bank import Bank
 from .cache import BuildError
 from .constants import hoisted
 from .export import Source, export_blocks
+from .failure import Failure, failure
 from .library import load
 from .memory import aligned
 from .stepper import functions
@@ -28,18 +29,20 @@ class _Filter(ctypes.Structure):
     """`struct Filter`."""
 
     _fields_ = (
-        *((name, ctypes.c_void_p) for name in ("p", "c", "x", "front_p", "front_c", "near_c")),
+        *((name, ctypes.c_void_p) for name in ("p", "c", "x", "scales", "front_p", "front_c", "near_c")),
         ("h", ctypes.c_double),
         *((name, ctypes.c_int64) for name in ("substeps", "begun", "n")),
         ("t", ctypes.c_void_p),
         ("y", ctypes.c_void_p),
         ("results", ctypes.c_void_p),
+        ("failed", ctypes.c_int64),
+        ("cause", ctypes.c_int64),
     )
 
 
 @dataclass(frozen=True)
 class Followed:
-    """What an observer made of some samples: outputs and guards, (samples × names)."""
+    """What an observer made of some samples: outputs and guards, (samples × names); NaN from its failure on."""
 
     y: Array
     guards: Array
@@ -92,6 +95,7 @@ class Filter:
             "p": len(self._block.p),
             "c": compiled.constants[observer],
             "x": len(self._block.x),
+            "scales": len(self._block.x) + len(self._block.y),
             "front_p": len(bank.front.p),
             "front_c": compiled.constants[bank.front.name],
             "near_c": compiled.constants[(bank.near or bank.front).name],
@@ -99,10 +103,11 @@ class Filter:
         self._arrays = {key: aligned((max(1, size), compiled.lanes)) for key, size in sizes.items()}
         self._arrays["p"][: len(self._block.p)] = numbers[:, None]
         self._arrays["front_p"][: len(bank.front.p)] = fronts[:, None]
-        self._filter = _Filter(substeps=substeps)
+        self._filter = _Filter(substeps=substeps, failed=-1)
         for key, array in self._arrays.items():
             setattr(self._filter, key, array.ctypes.data)
         self._last: tuple[Array, Array] | None = None
+        self.failure: Failure | None = None
 
     @property
     def block(self) -> Block:
@@ -112,9 +117,11 @@ class Filter:
     def samples(self, t: Array, y: Array) -> Followed:
         """What it makes of the samples at times t (n), measurements y (n × measured), of the Block's time unit."""
         width = len(self._block.y) + len(self._block.guards)
-        results = np.empty((len(t), width))
+        results = np.full((len(t), width), np.nan)
         step = max(1, _SLICE // self._substeps)
         for start in range(0, len(t), step):
+            if self.failure:
+                break
             results[start : start + step] = self._slice(t[start : start + step], y[start : start + step], width)
         return Followed(results[:, : len(self._block.y)], results[:, len(self._block.y) :])
 
@@ -123,12 +130,15 @@ class Filter:
         begun = self._last is not None
         times = np.ascontiguousarray(t if self._last is None else np.concatenate([self._last[0], t]), dtype=float)
         values = np.ascontiguousarray(y if self._last is None else np.concatenate([self._last[1], y]), dtype=float)
-        results = np.zeros((len(times), width))
+        results = np.full((len(times), width), np.nan)
         self._filter.begun, self._filter.n = int(begun), len(times)
         self._filter.t, self._filter.y = times.ctypes.data, values.ctypes.data
         self._filter.results = results.ctypes.data
         self._compiled.dll.hillobs_follow(self._which, ctypes.byref(self._filter))
         self._last = times[-1:], values[-1:]
+        if (at := int(self._filter.failed)) >= 0:
+            scales = self._arrays["scales"][:, 0]
+            self.failure = failure(self._block, float(times[at]), int(self._filter.cause), scales)
         return results[int(begun) :]
 
 

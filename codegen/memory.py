@@ -41,6 +41,17 @@ class Grid:
             self, h=self.h * self.hold, steps=self.steps // self.hold, window=-(-self.window // self.hold), hold=1
         )
 
+    def halved(self) -> Grid:
+        """The same times in steps of h/2."""
+        return Grid(
+            h=self.h / 2,
+            steps=2 * self.steps,
+            record=2 * self.record,
+            hold=2 * self.hold,
+            window=2 * self.window,
+            pulses=tuple((2 * on, 2 * off) for on, off in self.pulses),
+        )
+
 
 @dataclass(frozen=True)
 class Compiled:
@@ -134,7 +145,7 @@ class Memory:
         sizes = {("", "noise"): len(loop.noise)}
         for block in used:
             sizes[block.name, "p"], sizes[block.name, "c"] = len(block.p), compiled.constants[block.name]
-            sizes[block.name, "x"] = len(block.x)
+            sizes[block.name, "x"], sizes[block.name, "scales"] = len(block.x), len(block.x) + len(block.y)
             if block in loop.observers:
                 sizes[block.name, "sums"] = len(loop.score.x)
             if record:
@@ -170,7 +181,7 @@ class Memory:
 
     def _part(self, vector: int, block: Block, record: bool) -> Part:
         index = self._loop.blocks.index(block)
-        arrays = {key: self._address(vector, block.name, key) for key in ("p", "c", "x", "sums", "guards")}
+        arrays = {key: self._address(vector, block.name, key) for key in ("p", "c", "x", "scales", "sums", "guards")}
         # the truth that all share fails for all
         owner = self._vectors if self._shared and block is self._loop.truth else vector
         part = Part(**arrays, front=self._front_of.get(block.name, 0))

@@ -6,12 +6,14 @@ from collections.abc import Sequence
 
 import casadi as ca
 
-from ..model.block import Block, BlockError, Symbols
+from ..model.block import STEP, Block, BlockError, Symbols
 
 # RK4: where each stage is taken and what it weighs
 _NODES = (0.0, 0.5, 0.5, 1.0)
 _WEIGHTS = (1 / 6, 1 / 3, 1 / 3, 1 / 6)
 STAGES = len(_NODES)
+# what has no limit of its own: the sum of its squares over 10⁹ steps is a number still
+_LARGEST = 1e145
 
 
 def functions(
@@ -23,6 +25,7 @@ def functions(
     stage_outputs: outputs that `step` also returns at each of its four stages.
 
         init  (t, p, held, staged)                 → x
+        scales(h, p)                               → 1 over the largest magnitude of each x, then y
         step  (t, h, x, p, held, staged (n × 4))   → x, stage outputs (n × 4)
         sample(t, x, p, held, staged)              → x, if states move by `next`
         each  (t, x, p, held, staged)              → x, if states move by `per_step`
@@ -57,7 +60,10 @@ def functions(
     rates = Symbols({name: block.dx.get(name, ca.SX(0)) for name in block.x})
     outputs = Symbols({name: block.y[name] for name in stage_outputs})
     rhs = ca.Function("rhs", point, [at(rates), at(outputs)])
+    limits = [ca.fmin(block.limits.get(name, ca.SX(_LARGEST)), _LARGEST) for name in (*block.x, *block.y)]
+    scales = at(Symbols({str(i): 1 / limit for i, limit in enumerate(limits)}))
     result = {
+        "scales": _function(block, "scales", [h, p], [ca.substitute(scales, STEP, h)], ["h", "p"], ["scales"]),
         "init": _function(block, "init", [t, p, w, v], [at(start)], ["t", "p", "held", "staged"], ["x_next"]),
         "step": _step(block, rhs, t, h, x, p, w, [name in block.held for name in staged]),
         "out": _function(block, "out", point, [at(block.y), at(block.domain)], names, ["y", "domain"]),

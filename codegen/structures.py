@@ -9,7 +9,7 @@ class Part(ctypes.Structure):
     """`struct Part`."""
 
     _fields_ = (
-        *((name, ctypes.c_void_p) for name in ("p", "c", "x", "sums", "guards", "record_x", "record_y")),
+        *((name, ctypes.c_void_p) for name in ("p", "c", "x", "scales", "sums", "guards", "record_x", "record_y")),
         *((name, ctypes.c_void_p) for name in ("failed", "cause")),
         ("front", ctypes.c_int64),
     )

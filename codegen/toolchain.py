@@ -11,6 +11,7 @@ import selectors
 import shlex
 import shutil
 import signal
+import stat
 import struct
 import subprocess
 import sys
@@ -26,6 +27,7 @@ from .building import building
 from .cache import ABI, BuildError
 from .system.processor import divides_slowly, features, lacking
 from .system.signals import HeldSignals
+from .system.trust import write_new
 
 FLAGS = (
     *("-x", "c++", "-std=c++17", "-O3", "-fPIC", "-shared", "-fvisibility=hidden"),
@@ -121,7 +123,7 @@ def compile_library(
     scratch = {"TMPDIR": str(output_folder), "ZIG_LOCAL_CACHE_DIR": str(output_folder / "zig")}
     shared = {"ZIG_GLOBAL_CACHE_DIR": str(output_folder.parent / cache.ZIG_FOLDER)}
     try:
-        cache.write_new(output_folder / _SOURCE, source.encode())
+        write_new(output_folder / _SOURCE, source.encode())
         code, output = _run(command, output_folder, _timeout() if timeout is None else timeout, scratch | shared)
         problem = _ending(code) if code else _incomplete(library)
     except OSError as error:
@@ -294,6 +296,8 @@ def _ending(code: int) -> str:
 def _incomplete(library: Path) -> str:
     """Return what is wrong with the file that a compiler left, or an empty text."""
     try:
+        if not stat.S_ISREG(library.stat().st_mode):  # a pipe would be waited for
+            return "reported success but what it wrote is no file"
         with library.open("rb") as file:
             head, size = file.read(64), os.fstat(file.fileno()).st_size
     except FileNotFoundError:

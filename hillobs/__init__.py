@@ -12,44 +12,45 @@ What is not listed here is private and may change.
 from __future__ import annotations
 
 import importlib
-from importlib.metadata import version
-from typing import TYPE_CHECKING
 
+TYPE_CHECKING = False  # `typing` takes longer to import than all of this
 if TYPE_CHECKING:
     from .codegen.cache import BuildError, CacheWarning
     from .model.block import Block, BlockError, Parameter, Symbols, symbols
     from .model.errors import Error
     from .studies.conformance import conformance
-    from .studies.estimate.dataset import arguments
     from .studies.estimate.run import estimate
+    from .studies.estimate.schema import arguments
     from .studies.files.errors import ClusterError, RecordingError, ResultError, ScenarioError
     from .studies.files.netcdf import load
+    from .studies.files.versions import __version__
     from .studies.laboratory.muscles import Muscle, MusclePair, read_muscles
     from .studies.laboratory.recording import Recording, read_recording
     from .studies.observability.point import observability
     from .studies.simulate.run import RunWarning, simulate
     from .studies.sweep.axes import Range
     from .studies.sweep.cluster.client import ClusterWarning
-    from .studies.sweep.run import SweepWarning, sweep
-
-__version__ = version("hillobs")
+    from .studies.sweep.computing import SweepWarning
+    from .studies.sweep.run import sweep
 
 _NAMES = {
     ".codegen.cache": ("BuildError", "CacheWarning"),
     ".model.block": ("Block", "BlockError", "Parameter", "Symbols", "symbols"),
     ".model.errors": ("Error",),
     ".studies.conformance": ("conformance",),
-    ".studies.estimate.dataset": ("arguments",),
     ".studies.estimate.run": ("estimate",),
+    ".studies.estimate.schema": ("arguments",),
     ".studies.files.errors": ("ClusterError", "RecordingError", "ResultError", "ScenarioError"),
     ".studies.files.netcdf": ("load",),
+    ".studies.files.versions": ("__version__",),
     ".studies.laboratory.muscles": ("Muscle", "MusclePair", "read_muscles"),
     ".studies.laboratory.recording": ("Recording", "read_recording"),
     ".studies.observability.point": ("observability",),
     ".studies.simulate.run": ("RunWarning", "simulate"),
     ".studies.sweep.axes": ("Range",),
     ".studies.sweep.cluster.client": ("ClusterWarning",),
-    ".studies.sweep.run": ("SweepWarning", "sweep"),
+    ".studies.sweep.computing": ("SweepWarning",),
+    ".studies.sweep.run": ("sweep",),
 }
 _PLACES = {name: module for module, names in _NAMES.items() for name in names}
 

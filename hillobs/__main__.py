@@ -1,6 +1,30 @@
 """`python -m hillobs` and the command `hillobs`."""
 
-from .studies.cli.main import main
+import os
+import sys
+
+from .codegen.system.room import has_room
+from .studies.cli.stopping import stoppable
+
+# bytes of address space that a command takes before it has done anything, most of them for libraries
+_LEAST = 500_000_000
+
+
+def main() -> None:
+    """Run the command line and exit, see `studies.cli.main`; a signal ends it at any moment, see `stoppable`."""
+    stoppable(_command_line)
+
+
+def _command_line() -> None:
+    # OpenBLAS asks for memory without end, and interrupts the process if it gets no thread; our matrices are small
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    if not has_room(_LEAST):
+        print(f"hillobs: there is not enough memory: it takes {_LEAST / 1e6:.0f} MB of address space", file=sys.stderr)
+        sys.exit(2)
+    from .studies.cli.main import main as command_line  # takes a while, in which a signal may come
+
+    command_line()
+
 
 if __name__ == "__main__":
     main()

@@ -22,7 +22,7 @@ PARAMETERS = {
     "F_c": Parameter(0.2, "mean tendon force that the pretension holds", "chosen, docs/model.md#pretension", least=0),
     "u_max": Parameter(0.9, "limit of |u_j|", "chosen, docs/model.md#limits", above=0, below=1),
     "Delta_min": Parameter(
-        1e-9, "floor of Φ′²_S1 + Φ′²_S2 when both tendons are slack", "chosen, docs/model.md#limits", above=0
+        0.1, "floor of Φ′²_S1 + Φ′²_S2 when both tendons are slack, or nearly", "chosen, docs/model.md#limits", above=0
     ),
     "m": MASS,
 }
@@ -81,5 +81,5 @@ def distribute(
     low, high = -p.u_max, p.u_max
     return (
         Symbols(u1=clamp(u1, low, high), u2=clamp(u2, low, high)),
-        Symbols(u1_limit=outside(u1, low, high), u2_limit=outside(u2, low, high), both_slack=Delta < p.Delta_min),
+        Symbols(u1_limit=outside(u1, low, high), u2_limit=outside(u2, low, high), small_slopes=Delta < p.Delta_min),
     )

@@ -12,6 +12,9 @@ import casadi as ca
 
 from .errors import Error
 
+# the integration step, the one symbol that Blocks share
+STEP = ca.SX.sym("h")
+
 
 class BlockError(Error, ValueError):
     """A Block or a wiring that cannot be; the sentence names the part and what is valid."""
@@ -92,7 +95,8 @@ class Block:
     (at each grid point of the integrator, after `next`); it starts at `x0`, an expression in p and the
     inputs at t = 0, or at 0. The input `t` is time, the inputs in `held` are constant over a step, all
     others are evaluated at each stage. `guards` are 1 while a limit is active, else 0; an expression in
-    `domain` must stay positive.
+    `domain` must stay positive. The magnitude of a state or output must stay within its entry in `limits`,
+    an expression in p and STEP; where there is none, its square must be a number.
     """
 
     name: str
@@ -108,12 +112,13 @@ class Block:
     held: frozenset[str] = frozenset()
     guards: Symbols = field(default_factory=Symbols)
     domain: Symbols = field(default_factory=Symbols)
+    limits: Symbols = field(default_factory=Symbols)
     parts: tuple[Block, ...] = ()
 
     def __post_init__(self) -> None:
         if not _NAME.fullmatch(self.name):
             raise BlockError(f"{self.name!r} is no name for a block: letters, digits, single _ between, at most 40")
-        for group in ("x", "u", "p", "y", "dx", "next", "per_step", "x0", "guards", "domain"):
+        for group in ("x", "u", "p", "y", "dx", "next", "per_step", "x0", "guards", "domain", "limits"):
             object.__setattr__(self, group, _scalars(self.name, group, getattr(self, group)))
         moves = [*self.dx, *self.next, *self.per_step]
         if sorted(moves) != sorted(self.x):
@@ -128,14 +133,24 @@ class Block:
         for name, parameter in self.parameters.items():
             if objection := parameter.objection(parameter.default):
                 raise BlockError(f"{self.name}: the default of {name} must be {objection}, not {parameter.default:g}")
-        for what, names, valid in (("x0", self.x0, self.x), ("held", self.held, self.u)):
+        signals = {**self.x, **self.y}
+        for what, names, valid in (
+            ("x0", self.x0, self.x),
+            ("held", self.held, self.u),
+            ("limits", self.limits, signals),
+        ):
             if unknown := [name for name in names if name not in valid]:
                 raise BlockError(f"{self.name}: {what} names {', '.join(unknown)}; valid are {', '.join(valid)}")
         self._check_free_symbols()
 
     def _check_free_symbols(self) -> None:
         inputs = [*self.u.values(), *self.p.values()]
-        for group, known in (("x0", inputs), *((g, [*self.x.values(), *inputs]) for g in _EXPRESSIONS)):
+        known_to = {
+            **{group: [*self.x.values(), *inputs] for group in _EXPRESSIONS},
+            "x0": inputs,
+            "limits": [*self.p.values(), STEP],
+        }
+        for group, known in known_to.items():
             allowed = {symbol.element_hash() for symbol in known}
             for name, expression in getattr(self, group).items():
                 if free := [s.name() for s in ca.symvar(expression) if s.element_hash() not in allowed]:
@@ -148,7 +163,7 @@ class Block:
 
     def rewritten(self, change: Callable[[Symbols], Symbols], **fields: object) -> Block:
         """A copy with `change` applied to each group of expressions, and `fields` replaced."""
-        changed: dict[str, Any] = {group: change(getattr(self, group)) for group in ("x0", *_EXPRESSIONS)}
+        changed: dict[str, Any] = {group: change(getattr(self, group)) for group in ("x0", "limits", *_EXPRESSIONS)}
         return replace(self, **{**changed, **fields})
 
 

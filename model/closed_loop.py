@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from .backstepping import backstepping
 from .block import Block
 from .curves import NGUYEN2019, Curves
+from .limits import limits
 from .pair import pair
 from .sensors import SENSED
 from .signals.activations import given_activations
@@ -52,7 +55,8 @@ def closed_loop(drive: str = "virtual", curves: Curves = NGUYEN2019, controller:
             "plant.u2": "controller.u2",
         }
     wired = wire("truth", parts, connections, {"t": "t", **dict.fromkeys(held, "held")})
-    return rename(wired, "truth", _names(wired), outputs)
+    truth = rename(wired, "truth", _names(wired), outputs)
+    return replace(truth, limits=limits([*truth.x, *truth.y], truth.p["plant.C"]))
 
 
 def _names(wired: Block) -> dict[str, str]:

@@ -60,6 +60,7 @@ def _side_by_side(name: str, parts: Sequence[Block]) -> Block:
         parameters={f"{part.name}.{key}": value for part in parts for key, value in part.parameters.items()},
         guards=gather("guards"),
         domain=gather("domain"),
+        limits=gather("limits"),
         parts=tuple(parts),
     )
 
@@ -96,7 +97,9 @@ def rename(block: Block, name: str, names: Mapping[str, str], outputs: Iterable[
         outputs = list(outputs)
         _check_names("output", outputs, y)
         y = Symbols({key: y[key] for key in outputs})
-    return block.rewritten(renamed, name=name, x=renamed(block.x), p=p, parameters=parameters, y=y)
+    x, limits = renamed(block.x), renamed(block.limits)
+    limits = limits.only(key for key in limits if key in x or key in y)
+    return block.rewritten(renamed, name=name, x=x, p=p, parameters=parameters, y=y, limits=limits)
 
 
 def _fresh(block: Block, name: str) -> Block:

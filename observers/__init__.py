@@ -7,8 +7,10 @@ from dataclasses import replace
 
 import casadi as ca
 
-from ..model.block import Block, BlockError, Symbols
+from ..model.block import Block, BlockError, Symbols, symbols
 from ..model.curves import NGUYEN2019, Curves, tendon_parameters
+from ..model.limits import limits
+from ..model.skeleton import LENGTH
 from ..model.symbols import hat
 from ..model.wiring import rename, wire
 from .activation import activation_estimate
@@ -44,6 +46,8 @@ def label(name: str) -> str:
 
 
 _ACTIVATIONS = ("a1_hat", "a2_hat")
+# the length that bounds the estimates of every observer
+_DOMAIN = Block("domain", p=symbols("C"), parameters={"C": LENGTH})
 
 
 def estimator(observer: Block, curves: Curves = NGUYEN2019, activations: bool = True) -> Block:
@@ -56,7 +60,7 @@ def estimator(observer: Block, curves: Curves = NGUYEN2019, activations: bool = 
     _refuse_ports(observer)
     front = [tendon_slopes(curves)] if any(name in SLOPES for name in observer.u) else []
     behind = _behind(observer, curves) if activations else []
-    for part in (*front, *behind, tendons(curves)):
+    for part in (*front, *behind, tendons(curves), _DOMAIN):
         _refuse_clashes(observer, part)
     connections = {f"{observer.name}.{port}": f"slopes.{port}" if port in SLOPES else port for port in observer.u}
     connections |= {f"{part.name}.{port}": port for part in front for port in part.u}
@@ -68,10 +72,11 @@ def estimator(observer: Block, curves: Curves = NGUYEN2019, activations: bool = 
     told = [key.partition(".")[2] for key in wired.y]
     outputs = [*ESTIMATES, *(name for name in (*_ACTIVATIONS, *SPREADS) if activations and name in told)]
     whole = rename(wired, observer.name, {key: key.partition(".")[2] for key in names}, outputs)
-    # its own numbers of the tendons that tell it L_S1 and L_S2
-    parameters = {**whole.parameters, **tendon_parameters(curves)}
+    # its own numbers of the tendons that tell it L_S1 and L_S2, and of the domain that its estimates lie in
+    parameters = {**whole.parameters, **tendon_parameters(curves), "C": LENGTH}
+    p = Symbols({name: whole.p.get(name, ca.SX.sym(name)) for name in parameters})
     return replace(
-        whole, parameters=parameters, p=Symbols({name: whole.p.get(name, ca.SX.sym(name)) for name in parameters})
+        whole, parameters=parameters, p=p, limits=Symbols({**limits([*whole.x, *whole.y], p.C), **whole.limits})
     )
 
 

@@ -9,10 +9,11 @@ import casadi as ca
 
 from ..model.block import Block, Parameter, Symbols, symbols
 from ..model.dialect import clamp, dead_zone, no_higher, no_lower, root, sg
+from ..model.limits import STABLE
 from ..model.skeleton import MASS
 from .conditions import Condition, above, between, equal, positive
 from .layers import SLOPE, correction_rates, layers, layers_corrected
-from .observer import STABLE, Observer, Sizes
+from .observer import Observer, Sizes
 from .ports import SENSED, START, estimates, output_errors, start
 
 _PAPER, _CHOSEN, _OURS = "paper, §V", "chosen, docs/observers.md#choices-and-guards", "docs/gains.md"

@@ -17,6 +17,8 @@ from ..model.block import Symbols
 FACTS = {
     "h": "integration step",
     "U_m": "bound of |u_j|: the controller's limit, or what the run exceeded it by",
+    "f_plus": "bound of |Δ_Φ| that the gains are for: the paper's f⁺",
+    "p": "the paper's p of [lambda11]",
     "sup_dDelta": "largest |Δ̇| between recorded points of the true run",
     "sup_du1": "largest |u̇₁| between recorded points of the true run",
     "sup_du2": "largest |u̇₂| between recorded points of the true run",
@@ -109,5 +111,6 @@ def _sides(conditions: list[Condition], symbols: Symbols, values: Array) -> tupl
     """Left and right (conditions × points) of each condition."""
     sides = [ca.vertcat(ca.SX(0, 1), *side) for side in ([c.left for c in conditions], [c.right for c in conditions])]
     function = ca.Function("conditions", [symbols.vector()], sides)
-    left, right = (np.array(side, dtype=float).reshape(len(conditions), values.shape[1]) for side in function(values))
+    shape = len(conditions), values.shape[1]
+    left, right = (np.array(side, dtype=float).reshape(shape) for side in function(values))
     return left, right

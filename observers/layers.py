@@ -14,7 +14,8 @@ from dataclasses import dataclass, replace
 import casadi as ca
 
 from ..model.block import Block, Parameter, Symbols, symbols
-from .observer import STABLE, Sizes
+from ..model.limits import STABLE
+from .observer import Sizes
 
 CORRECTION = {
     "tau_c": Parameter(0.1, "time constant of the low pass of the correction", "docs/gains.md", above=0),

@@ -17,6 +17,8 @@ from ..model.block import Block, BlockError, Symbols, symbols
 TOLERANCE = 1e-9
 # what cancellation leaves of a Lie derivative that vanishes
 _ROUNDING = 1e-13
+# squares of larger numbers are none
+_LARGEST = 1e150
 
 
 def augmented(block: Block, unknown: Sequence[str], derivatives: int = 0) -> Block:
@@ -105,8 +107,8 @@ def judge(
 
     BlockError if O is not finite there.
     """
-    if not np.isfinite(matrix).all():
-        raise BlockError("the observability matrix is not finite at this point")
+    if not _computable(matrix):
+        raise BlockError("the observability matrix is not finite at this point, or so large that it has no square")
     scaled = scale(matrix, [sizes[name] for name in coordinates], outputs)
     values = _singular_values(scaled)
     smallest = tolerance * values[0]
@@ -133,11 +135,16 @@ def scale(matrix: Array, sizes: Sequence[float], outputs: int) -> Array:
 
 
 def ranks_of(matrices: Array, sizes: Sequence[float], outputs: int, tolerance: float = TOLERANCE) -> NDArray[np.int64]:
-    """The rank of each matrix of a stack (points × rows × columns); −1 where it is not finite."""
-    finite = np.asarray(np.isfinite(matrices).all(axis=(1, 2)))
+    """The rank of each matrix of a stack (points × rows × columns); −1 where it is not finite, or too large."""
+    finite = _computable(matrices)
     values = _singular_values(scale(np.where(finite[:, None, None], matrices, 0.0), sizes, outputs))
     ranks: NDArray[np.int64] = np.where(finite, np.sum(values > tolerance * values[:, :1], axis=1), -1)
     return ranks
+
+
+def _computable(matrices: Array) -> NDArray[np.bool_]:
+    """Whether all entries of a matrix, or of each of a stack, are numbers of which singular values can be computed."""
+    return np.asarray((np.abs(matrices) <= _LARGEST).all(axis=(-2, -1)))
 
 
 def _singular_values(matrices: Array) -> Array:

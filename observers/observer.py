@@ -9,10 +9,8 @@ from dataclasses import dataclass
 import casadi as ca
 
 from ..model.block import Block, Symbols
+from ..model.limits import STABLE
 from .conditions import Condition, Conditions, below
-
-# RK4 is stable up to h · rate = 2.78 on the real axis; 10 % margin
-STABLE = 2.5
 
 
 @dataclass(frozen=True)

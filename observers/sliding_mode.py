@@ -34,9 +34,6 @@ PARAMETERS = {
     **START,
 }
 
-# the theorem's constants in the paper's choice of gains: |Δ_Φ| < f⁺, and p of [lambda11]
-_F_PLUS, _P = 1.0, 0.5
-
 
 def sliding_mode(corrected: bool = False) -> Block:
     """Inputs y1, y2, y3, L_S1, L_S2; seven states, which are the estimates, unless these are `corrected`."""
@@ -74,10 +71,9 @@ def corrected() -> Block:
 
 def theorem(p: Symbols, facts: Symbols) -> list[Condition]:
     """What theorem [thm_so] asks of the gains."""
-    margin = p.alpha11 - _F_PLUS
-    bound = ca.sqrt(2 / margin) * (p.alpha11 + _F_PLUS) * (1 + _P) / (1 - _P)
+    bound = ca.sqrt(2 / (p.alpha11 - facts.f_plus)) * (p.alpha11 + facts.f_plus) * (1 + facts.p) / (1 - facts.p)
     return [
-        above("α₁₁ > f⁺ [alpha11]", p.alpha11, _F_PLUS),
+        above("α₁₁ > f⁺ [alpha11]", p.alpha11, facts.f_plus),
         above("λ₁₁ > √(2/(α₁₁ − f⁺)) (α₁₁ + f⁺)(1 + p)/(1 − p) [lambda11]", p.lambda11, bound),
         above("α₂ > U₁ₘ [alpha2]", p.alpha2, facts.U_m),
         above("α₃ > U₂ₘ [alpha3]", p.alpha3, facts.U_m),

@@ -1,6 +1,7 @@
 """Every worker shares one cache of compiled libraries, apart from the user's."""
 
 import os
+import signal
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -30,7 +31,10 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Take over the options of `pytest_addoption`."""
+    """Take over the options of `pytest_addoption`; let the processes that tests start hear signals, under nohup too."""
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        if signal.getsignal(number) == signal.SIG_IGN:
+            signal.signal(number, lambda *_: None)  # deafness is inherited, a handler is not
     try:
         targets.stand_in(config.getoption("--target"), config.getoption("--division"))
     except BuildError as error:

@@ -12,6 +12,12 @@ RECORDINGS = ROOT / "studies" / "laboratory" / "recordings"
 FENCED = re.compile(r"^```.*?^```", re.DOTALL | re.MULTILINE)
 
 
+def contents(folder: Path) -> dict[str, bytes]:
+    """Name → content of what is in a folder, but for the list of what hillobs has written there."""
+    there = [path for path in folder.iterdir() if not path.name.startswith(".hillobs-")]
+    return {path.name: path.read_bytes() if path.is_file() else b"" for path in there}
+
+
 def anchors(page: Path) -> set[str]:
     """What may stand behind # in a link to `page`: its headings as GitHub names them."""
     found: set[str] = set()

@@ -3,12 +3,14 @@
 // One observer under way. All arrays are the caller's, those of V aligned for it.
 struct Filter {
     V *p, *c, *x;         // parameters, what follows from them and the step, states
+    V *scales;            // 1 over the largest magnitude of each state, then output
     FrontPart front;
     double h;             // the step that the constants are for; 0 at first
     int64_t substeps;     // from sample to sample
     int64_t begun, n;     // samples passed before these, of which the last comes first; samples
     const double *t, *y;  // their times; N_MEASURED numbers each
-    double *results;      // n × (outputs, guards)
+    double *results;      // n × (outputs, guards); untouched from a failure on
+    int64_t failed, cause;  // sample of a failure or −1; what failed, counted over x, y, domain
 };
 
 // Measurements are interpolated linearly from sample i − 1 to sample i: nothing later is used.
@@ -30,6 +32,7 @@ INLINE void look(const Filter &f, int64_t i, Sight &sight) {
 template <class B> static __attribute__((noinline)) void prepare(Filter &f, double step) {
     const V h = f.h = step;
     B::constants(&h, f.p, f.c);
+    B::scales(&h, f.p, f.scales);
     Front::constants(&h, f.front.p, f.front.c);
     Near::constants(&h, f.front.p, f.front.c_near);
 }
@@ -43,6 +46,10 @@ template <class B> static FLAT void leave(Filter &f, int64_t i, const V *staged)
         copy<B::NX>(after, f.x);
     }
     B::out(&t, f.c, f.x, &NEVER, staged, y, domain);
+    if (any(suspect<B>(f.x, y, domain, f.scales)) && (f.cause = failing<B>(f.x, y, domain, f.scales, 0)) >= 0) {
+        f.failed = i;
+        return;
+    }
     B::watch(&t, f.c, f.x, &NEVER, staged, guards);
     double *row = f.results + i * (B::NY + B::N_GUARDS);
     for (int j = 0; j < B::NY; ++j) row[j] = lane(y[j], 0);
@@ -60,7 +67,7 @@ template <class B> static FLAT void follow(Filter &f) {
         B::init(&t, f.p, &NEVER, sight.staged, f.x);
         leave<B>(f, i++, sight.staged);
     }
-    for (; i < f.n; ++i) {
+    for (; i < f.n && f.failed < 0; ++i) {
         const double step = (f.t[i] - f.t[i - 1]) / (double)f.substeps;
         if (step != f.h) prepare<B>(f, step);
         // what moves at samples only has no use for the stages before

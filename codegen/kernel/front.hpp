@@ -50,6 +50,24 @@ static FLAT void see(const FrontPart &part, int64_t n, Sight *sights) {
     }
 }
 
+// true in a lane where a state or an output may be beyond its limit, or the domain is left
+template <class B> INLINE V suspect(const V *x, const V *y, const V *domain, const V *scales) {
+    V doubt = !(B::magnitude(x, y, scales) <= 1.0);
+    for (int i = 0; i < B::N_DOMAIN; ++i) doubt = !(V(0.0) < domain[i]) + doubt;
+    return doubt;
+}
+
+// What fails first in a lane, counted over x, y, domain; −1 if nothing does.
+template <class B> static int failing(const V *x, const V *y, const V *domain, const V *scales, int l) {
+    for (int i = 0; i < B::NX + B::NY; ++i) {
+        const double value = lane(i < B::NX ? x[i] : y[i - B::NX], l);
+        if (!(fabs(value) * lane(scales[i], l) <= 1)) return i;
+    }
+    for (int i = 0; i < B::N_DOMAIN; ++i)
+        if (!(lane(domain[i], l) > 0)) return B::NX + B::NY + i;
+    return -1;
+}
+
 // Sizes as compiled, so that the caller can compare them with what it believes.
 template <class B> static int64_t *sizes_of(int64_t *sizes) {
     const int64_t own[] = {B::NX, B::NP, B::NC, B::NY, B::N_GUARDS, B::N_DOMAIN};

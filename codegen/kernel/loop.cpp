@@ -7,6 +7,7 @@ enum { TILE = 4 };
 // A block at work in all lanes. All arrays are the caller's, aligned for V.
 struct Part {
     V *p, *c, *x;                // parameters, what follows from them alone, states; x is null if it does not run
+    V *scales;                   // 1 over the largest magnitude of each state, then output
     V *sums;                     // states of its score; observers only
     V *guards;                   // steps that each guard was active, or null
     double *record_x, *record_y; // a row per run and recorded point, or null
@@ -61,25 +62,15 @@ INLINE void hold(const Batch &batch, const Runs &runs, int64_t k, V *held) {
     held[N_NOISE + N_PULSES + 1] = sampled(batch, k);
 }
 
-// true in a lane where a number may not be finite or the domain is left
-template <class B> INLINE bool suspect(const V *x, const V *y, const V *domain) {
-    const V total = B::total(x, y);
-    V sum = total - total;
-    for (int i = 0; i < B::N_DOMAIN; ++i) sum = !(V(0.0) < domain[i]) + sum;
-    return any(sum);
-}
-
 template <class B>
 static __attribute__((noinline)) void fail(Part &part, const Part &truth, int64_t k, const V *y, const V *domain) {
-    const V *x = part.x;
-    for (int l = 0; l < LANES; ++l)
-        for (int i = 0; i < B::NX + B::NY + B::N_DOMAIN; ++i) {
-            if (part.failed[l] >= 0 || truth.failed[l] >= 0) break;  // nothing is known of a truth that is not there
-            const double value = lane(i < B::NX ? x[i] : i < B::NX + B::NY ? y[i - B::NX] : domain[i - B::NX - B::NY], l);
-            if (isfinite(value) && (i < B::NX + B::NY || value > 0)) continue;
-            part.failed[l] = k;
-            part.cause[l] = i;
-        }
+    for (int l = 0; l < LANES; ++l) {
+        if (part.failed[l] >= 0 || truth.failed[l] >= 0) continue;  // nothing is known of a truth that is not there
+        const int cause = failing<B>(part.x, y, domain, part.scales, l);
+        if (cause < 0) continue;
+        part.failed[l] = k;
+        part.cause[l] = cause;
+    }
 }
 
 template <class B>
@@ -129,7 +120,7 @@ INLINE void visit(const Batch &batch, Runs &runs, Part &part, int64_t k, const V
         copy<B::NX>(after, x);
     }
     B::out(&t, part.c, x, held, staged, y, domain);
-    const bool wrong = suspect<B>(x, y, domain);
+    const bool wrong = any(suspect<B>(x, y, domain, part.scales));
     if (__builtin_expect(wrong || part.record_x || part.guards, 0)) {
         // copies: a variable whose address is passed on cannot stay in a register
         V outputs[B::NY + 1], limits[B::N_DOMAIN + 1];
@@ -215,6 +206,7 @@ static FLAT void observe(const Batch &batch, Runs &runs, Part &part, int64_t fro
 template <class B> static void prepare(const Batch &batch, Part &part) {
     const V h = batch.h;
     B::constants(&h, part.p, part.c);
+    B::scales(&h, part.p, part.scales);
     for (int l = 0; l < LANES; ++l) part.failed[l] = -1;
 }
 

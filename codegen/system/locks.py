@@ -13,19 +13,20 @@ from pathlib import Path
 _POLL = 0.02  # seconds between two looks at a lock
 
 
-def take(path: Path) -> int:
+def take(path: Path | str, folder: int | None = None) -> int:
     """Return a descriptor that holds the lock file `path`, made if need be, until it is closed or its process dies.
 
-    BlockingIOError if another process holds it; another OSError if there can be no such file, or if it is a link.
+    folder: a descriptor of the folder that a relative path begins at. BlockingIOError if another process holds it;
+    another OSError if there can be no such file, or if it is a link.
     """
     while True:
-        handle = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC, 0o600)
+        handle = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC, 0o600, dir_fd=folder)
         try:
             os.fchmod(handle, 0o600)  # the umask may have taken our own rights
             fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
             # its last holder may have removed the file after we opened it: then there may be another one by now
             with contextlib.suppress(FileNotFoundError):
-                if os.path.samestat(os.fstat(handle), os.stat(path)):
+                if os.path.samestat(os.fstat(handle), os.stat(path, dir_fd=folder)):
                     return handle
         except BaseException:
             os.close(handle)

@@ -6,7 +6,8 @@ import signal
 import threading
 from types import FrameType
 
-_WATCHED = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+# with the timer that repeats them for those who swallow exceptions
+_WATCHED = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGALRM)
 
 
 class HeldSignals:

@@ -23,7 +23,7 @@ def tendon_numbers(strain: float, source: str) -> Parameters:
     """What every tendon has: its slack length, its strain at F0, and F0 itself."""
     return {
         "L_slack": Parameter(2.0, "tendon slack length, in optimal fibre lengths of muscle 1", _SCALE, above=0),
-        "tendon_strain": Parameter(strain, "strain of the tendon at the force F_max", source, above=0),
+        "tendon_strain": Parameter(strain, "strain of the tendon at the force F_max", source, least=1e-3, most=1),
         "F_max": Parameter(1.0, "largest isometric force, in that of muscle 1", _SCALE, above=0),
     }
 
@@ -33,8 +33,12 @@ def fibre_numbers(strain: float, source: str) -> Parameters:
     return {
         "l_opt": Parameter(1.0, "optimal fibre length, in that of muscle 1", _SCALE, above=0),
         "v_max": Parameter(1.0, "largest velocity in own l_opt per time, in that of muscle 1", _SCALE, above=0),
-        "passive_strain": Parameter(strain, "strain of the fibre at the passive force F_max", source, above=0),
-        "damping": Parameter(0.0, "fibre damping: force in F_max per velocity in l_opt·v_max", "chosen", least=0),
+        "passive_strain": Parameter(
+            strain, "strain of the fibre at the passive force F_max", source, least=0.01, most=10
+        ),
+        "damping": Parameter(
+            0.0, "fibre damping: force in F_max per velocity in l_opt·v_max", "chosen", least=0, most=10
+        ),
     }
 
 

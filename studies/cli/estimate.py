@@ -9,12 +9,13 @@ from pathlib import Path
 
 import click
 
-from ..estimate.files import refuse_overwriting, save_estimates
+from ...observers import PAPER
+from ..estimate.files import estimate_paths, refuse_replacing, save_estimates
 from ..estimate.run import compile_observers
 from ..estimate.run import estimate as estimated
 from ..estimate.scores import scores
-from ..figures.estimate import save_sheet
-from ..files.quote import escaped
+from ..figures.estimate import SHEET, save_sheet
+from ..figures.page import figure_paths
 from ..files.writing import writable_folder
 from ..laboratory.mapping import read_mapping
 from ..laboratory.muscles import read_muscles
@@ -23,7 +24,10 @@ from ..scenarios.layers import Value
 from .options import observer_option, set_option, whole_option
 from .reports.estimate import failures, notes, score_table, timing
 from .reports.written import written
-from .terminal import NUMERICAL, bar, complain, print_table
+from .terminal import NUMERICAL, bar, complain, print_table, say
+
+# what the figures begin with
+_STEM = "estimates"
 
 
 @click.command()
@@ -52,12 +56,15 @@ def estimate(
     It needs time, position and both tendon forces. If it has the truth too, the estimates are scored.
     """
     folder = writable_folder(Path(out))
-    refuse_overwriting((recording, muscles), folder)
     pair, mapping = read_muscles(muscles), read_mapping(maps)
     times = [time.monotonic()]
     with bar("reading") as progress:
         read = read_recording(recording, mapping, progress)
     times.append(time.monotonic())
+    sheet = [] if no_figures else [SHEET]
+    names = tuple(dict.fromkeys(observers or PAPER))
+    paths = estimate_paths(folder, names, bool(read.true))
+    refuse_replacing(folder, [*paths, *figure_paths(folder, _STEM, sheet)])
     with bar("following") as progress:
         compile_observers(pair, observers or None, not uncorrected)
         # following ends with its last progress: making a Dataset imports half of dask, which no observer costs
@@ -69,18 +76,16 @@ def estimate(
 
         dataset = estimated(read, pair, observers or None, None, not uncorrected, changes, every, advance)
     reading, building, following = (after - before for before, after in itertools.pairwise(times))
-    for note in notes(dataset):
-        click.echo(escaped(note))
-    click.echo(timing(dataset, reading, building, following))
     known = scores(dataset)
-    if known:
-        click.echo()
-        print_table(score_table(known))
     with bar("writing"):
         paths = save_estimates(dataset, known, folder)
         if not no_figures:
-            paths += save_sheet(dataset, folder, "estimates")
-    click.echo(written(paths))
+            paths += save_sheet(dataset, folder, _STEM)
+    say(*notes(dataset), timing(dataset, reading, building, following))
+    if known:
+        say("")
+        print_table(score_table(known))
+    say(written(paths))
     ended = list(failures(dataset))
     for sentence in ended:
         complain(sentence)

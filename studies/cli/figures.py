@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from ..estimate.schema import check_estimates
 from ..figures.estimate import save_sheet
 from ..figures.muscle_curves import curve_figure
 from ..figures.page import write_figures
@@ -14,7 +15,13 @@ from ..figures.sweep.figures import save_sweep_figures
 from ..files.errors import ResultError
 from ..files.netcdf import load
 from ..files.writing import writable_folder
+from ..simulate.schema import check_run
+from ..sweep.schema import check_sweep
 from .reports.written import written
+from .terminal import say
+
+# the variable that only a run has, or a sweep, or estimates
+_CHECKS = {"x_hat": check_run, "failed_at": check_sweep, "activation_hat": check_estimates}
 
 
 @click.command()
@@ -23,23 +30,27 @@ from .reports.written import written
 def figures(result: Path, out: Path | None) -> None:
     """Draw the figures of RESULT.nc, a run, a sweep or estimates, again without a run."""
     dataset = load(result)
-    # what a run, a sweep and estimates have
-    if not {"x_hat", "failed_at", "activation_hat"} & set(dataset):
+    kind = next((name for name in _CHECKS if name in dataset), None)
+    if kind is None:
         raise ResultError(f"{result} cannot be drawn: it is no run, no sweep and no estimates")
+    try:
+        _CHECKS[kind](dataset)
+    except ResultError as error:
+        raise ResultError(f"{result} cannot be drawn: {error}") from error
     folder = writable_folder(out or result.parent)
     sentence = ""
-    if "failed_at" in dataset:
+    if kind == "failed_at":
         paths, sentence = save_sweep_figures(dataset, folder, result.stem)
     else:
-        paths = (save_figures if "x_hat" in dataset else save_sheet)(dataset, folder, result.stem)
+        paths = (save_figures if kind == "x_hat" else save_sheet)(dataset, folder, result.stem)
     if sentence:
-        click.echo(sentence)
+        say(sentence)
     if paths:
-        click.echo(written(paths))
+        say(written(paths))
 
 
 @click.command()
 @click.option("--out", type=click.Path(path_type=Path), default=Path("results"), help="Where the figure is written.")
 def curves(out: Path) -> None:
     """Draw the muscle's curves of every publication side by side; `list curves` describes them."""
-    click.echo(written(write_figures({"sets": curve_figure()}, writable_folder(out), "curves")))
+    say(written(write_figures({"sets": curve_figure()}, writable_folder(out), "curves")))

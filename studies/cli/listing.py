@@ -9,33 +9,32 @@ from ..scenarios.show import show as as_toml
 from .options import scenario_argument
 from .reports.listing import information, listing, sources
 from .reports.number import counted
+from .terminal import say
 
 
 @click.command()
 @scenario_argument()
 def show(scenario: str) -> None:
     """Print SCENARIO as a complete, commented TOML file to start from."""
-    click.echo(as_toml(scenario), nl=False)
+    say(*as_toml(scenario).removesuffix("\n").split("\n"))
 
 
 @click.command(name="list")
 @click.argument("what", type=click.Choice(["all", "scenarios", "observers", "curves", "parameters"]), default="all")
 def list_(what: str) -> None:
     """List scenarios, observers, curve sets, or parameters with default, unit and meaning."""
-    for line in listing(what):
-        click.echo(line)
+    say(*listing(what))
 
 
 @click.command()
 @click.option("--source", is_flag=True, help="The generated C++ of each compiled library instead, the newest first.")
 def info(source: bool) -> None:
     """Show versions, compiler, pages and cache."""
-    for line in sources() if source else information():
-        click.echo(line)
+    say(*(sources() if source else information()))
 
 
 @click.command()
 def clean() -> None:
     """Empty the cache of compiled libraries."""
     removed = clean_cache()
-    click.echo(f"removed {counted(len(removed), 'file')}" if removed else "the cache was empty")
+    say(f"removed {counted(len(removed), 'file')}" if removed else "the cache was empty")

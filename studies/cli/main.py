@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import importlib
+import logging
 import os
 import sys
 import warnings
@@ -11,9 +13,10 @@ from typing import TextIO
 
 import click
 
-from .terminal import USAGE, complain, user_errors
+from ..files.reading import remembered_reading
+from .terminal import USAGE, complain, say, user_errors
 
-_INTERRUPTED, _READER_GONE = 130, 141
+_READER_GONE = 141
 
 # command → its module here, and what it does: modules wait until their command is asked for
 _COMMANDS: Mapping[str, tuple[str, str]] = {
@@ -49,7 +52,7 @@ class _Commands(click.Group):
             formatter.write_dl([(name, sentence) for name, (_, sentence) in _COMMANDS.items()])
 
     def invoke(self, ctx: click.Context) -> object:
-        with user_errors():
+        with remembered_reading(), user_errors():
             return super().invoke(ctx)
 
 
@@ -59,25 +62,24 @@ class _Commands(click.Group):
 def commands(ctx: click.Context) -> None:
     """Observers for a pair of Hill muscles: states, unknown inputs and activations."""
     if ctx.invoked_subcommand is None:
-        click.echo(ctx.get_help())
+        say(*ctx.get_help().split("\n"))
 
 
 def main() -> None:
-    """Run the command line and exit: 0 done, 1 numbers failed or rank deficient, 2 wrong input, 130 interrupted."""
+    """Run the command line and exit: 0 done, 1 numbers failed or rank deficient, 2 wrong input."""
     # a closed stream is None; what it is given goes nowhere
     sys.stdout, sys.stderr = (stream or os.fdopen(_nowhere(), "w") for stream in (sys.stdout, sys.stderr))
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")
     warnings.showwarning = _show_warning
+    logging.basicConfig(handlers=[_Log()])
     stdout = sys.stdout
     try:
         commands(standalone_mode=False)
     except click.ClickException as error:
         complain(error.format_message())
         sys.exit(USAGE)
-    except (click.Abort, KeyboardInterrupt):
-        sys.exit(_INTERRUPTED)
     except OSError as error:
         _drop_output()
         complain(f"{error.filename or 'standard output'}: {error.strerror}")
@@ -100,9 +102,17 @@ def _show_warning(
     complain(f"warning: {message}")
 
 
+class _Log(logging.Handler):
+    """What a library writes to a log, such as matplotlib of its cache, is said as we say things."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        complain(f"warning: {record.getMessage()}")
+
+
 def _drop_output() -> None:
     """What is left in the buffer of standard output goes nowhere."""
-    os.dup2(_nowhere(), sys.stdout.fileno())
+    with contextlib.suppress(OSError):  # where no file can be opened, it goes where it was meant to go
+        os.dup2(_nowhere(), sys.stdout.fileno())
 
 
 def _nowhere() -> int:

@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 import xarray as xr
-from matplotlib.figure import Figure
 
 from ...observers.observability import TOLERANCE
 from ..figures.observability import along_figure, map_figure
-from ..figures.page import write_figures
+from ..figures.page import figure_paths, write_figures
 from ..files.errors import ScenarioError
 from ..files.netcdf import save_netcdf
 from ..files.numbers import parse_number
 from ..files.quote import shown
-from ..files.writing import writable_folder
+from ..files.writing import refuse_overwriting, writable_folder
 from ..observability.map import along as rank_along
 from ..observability.map import axis_ranges, over
 from ..observability.point import answer, start_point
@@ -26,7 +27,10 @@ from ..scenarios.prepare import prepare
 from .options import scenario_argument, set_option, whole_option
 from .reports.observability import answer_as_json, answer_table, details, ranks_along, ranks_over, summary
 from .reports.written import written
-from .terminal import bar, print_table
+from .terminal import bar, print_table, say
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 # a rank that is not full is no failure, but a script must see it
 _DEFICIENT = 1
@@ -71,30 +75,31 @@ def observability(
     if axes is not None:
         axis_ranges(question, names, here.point)
     folder = Path(out)
-    if along or axes is not None:
+    stem = f"{prepared.scenario.name}-observability"
+    keys = ["along"] * along + ([] if axes is None else [_map_key(names)])
+    if keys:
         writable_folder(folder)
+        refuse_overwriting(path for key in keys for path in _paths(folder, stem, key))
     if as_json:
-        click.echo(answer_as_json(question, here, limit))
+        say(*answer_as_json(question, here, limit).split("\n"))
     else:
-        click.echo(summary(question, here) + "\n")
+        say(summary(question, here), "")
         print_table(answer_table(question, here))
-        for sentence in details(here, limit):
-            click.echo(sentence)
+        say(*details(here, limit))
     if order is None:
         # orders beyond those that add rank at the point would only cost the compiler time
         enough = max(_LEAST_ORDER, here.verdict.ranks.index(here.verdict.rank))
         question = pose(prepared, sensors, unknown, min(enough, question.order), signals)
-    stem = f"{prepared.scenario.name}-observability"
     if along:
         with bar("along the run") as advance:
             data = rank_along(prepared, question, limit, advance)
             paths = _write(data, along_figure(data), folder, stem, "along")
-        click.echo(f"along the run, {ranks_along(data)}\n{written(paths)}", err=as_json)
+        say(f"along the run, {ranks_along(data)}", written(paths), err=as_json)
     if axes is not None:
         with bar("over the map") as advance:
             data = over(question, names, here.point, tolerance=limit, progress=advance)
-            paths = _write(data, map_figure(data, question), folder, stem, f"map-{'-'.join(names)}")
-        click.echo(f"over the map, {ranks_over(data)}\n{written(paths)}", err=as_json)
+            paths = _write(data, map_figure(data, question), folder, stem, _map_key(names))
+        say(f"over the map, {ranks_over(data)}", written(paths), err=as_json)
     sys.exit(0 if here.verdict.full else _DEFICIENT)
 
 
@@ -120,6 +125,15 @@ def _tolerance(typed: str | None) -> float:
 
 
 def _write(data: xr.Dataset, figure: Figure, folder: Path, stem: str, key: str) -> list[Path]:
-    path = folder / f"{stem}-{key}.nc"
+    path, *_ = _paths(folder, stem, key)
     save_netcdf(data, path)
     return [path, *write_figures({key: figure}, folder, stem)]
+
+
+def _paths(folder: Path, stem: str, key: str) -> list[Path]:
+    """The files of a map or a run: the result and its figure."""
+    return [folder / f"{stem}-{key}.nc", *figure_paths(folder, stem, [key])]
+
+
+def _map_key(coordinates: Sequence[str]) -> str:
+    return f"map-{'-'.join(coordinates)}"

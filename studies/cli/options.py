@@ -10,7 +10,7 @@ from click.shell_completion import CompletionItem
 
 from ...observers import OBSERVERS
 from ..files.errors import ScenarioError
-from ..files.numbers import whole_number
+from ..files.numbers import typed_whole
 from ..scenarios.layers import Value, shipped
 from ..scenarios.loops import all_paths
 from ..scenarios.scenario import VALID_CHOICES, parse_change
@@ -76,7 +76,7 @@ def whole_option(name: str, least: int, sentence: str, default: int | None = Non
     """A whole number of at least `least`, strictly: no underscores, no digits of other scripts."""
 
     def read(ctx: click.Context, param: click.Parameter, typed: str | None) -> int | None:
-        return None if typed is None else whole_number(name, typed, least)
+        return None if typed is None else typed_whole(name, typed, least)
 
     usual = None if default is None else str(default)
     return click.option(

@@ -9,18 +9,18 @@ from pathlib import Path
 import click
 import xarray as xr
 
-from ..figures.run import save_figures
-from ..files.quote import escaped
-from ..files.writing import writable_folder
+from ..figures.page import figure_paths
+from ..figures.run import FIGURES, save_figures
+from ..files.writing import refuse_overwriting, writable_folder
 from ..scenarios.layers import Value
 from ..scenarios.prepare import prepare
 from ..scenarios.scenario import parse_change
-from ..simulate.files import refuse_same_names, save
+from ..simulate.files import run_paths, save
 from ..simulate.run import RunWarning, simulate_prepared
 from .options import observer_option, scenarios_argument, set_option
 from .reports.simulate import failures, notes, tables
 from .reports.written import written
-from .terminal import NUMERICAL, bar, complain, print_table
+from .terminal import NUMERICAL, bar, complain, print_table, say
 
 _PAPER = ("paper-clean", "paper-noisy")
 
@@ -47,8 +47,13 @@ def simulate(
         if typed is not None:
             changes |= dict([parse_change(f"{path}={typed}")])
     runs = [prepare(name, list(observers) or None, changes) for name in scenarios or _PAPER]
-    refuse_same_names([prepared.label for prepared in runs])
     folder = writable_folder(Path(out))
+    drawn = () if no_figures else FIGURES
+    refuse_overwriting(
+        path
+        for label in (prepared.label for prepared in runs)
+        for path in (*run_paths(folder, label), *figure_paths(folder, label, drawn))
+    )
     failed = False
     for prepared in runs:
         name = prepared.label
@@ -60,7 +65,7 @@ def simulate(
             with bar(f"{name}: drawing"):
                 paths += save_figures(dataset, folder, name)
         _print_report(dataset)
-        click.echo(written(paths) + "\n")
+        say(written(paths), "")
         for sentence in failures(dataset):
             complain(sentence)
             failed = True
@@ -70,9 +75,8 @@ def simulate(
 
 def _print_report(dataset: xr.Dataset) -> None:
     about = dataset.attrs
-    click.echo(escaped(f"{about['scenario']}, seed {about['seed']}: {about['description']}") + "\n")
+    say(f"{about['scenario']}, seed {about['seed']}: {about['description']}", "")
     for title, table in tables(dataset):
-        click.echo(title)
+        say(title)
         print_table(table)
-    for note in notes(dataset):
-        click.echo(note)
+    say(*notes(dataset))

@@ -4,33 +4,29 @@ from __future__ import annotations
 
 import contextlib
 import os
-import signal
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
-from types import FrameType
 
 import click
 import xarray as xr
 
 from ...model.symbols import QUANTITIES
 from ...observers.score import MEASURES
-from ..figures.sweep.figures import save_sweep_figures
+from ..figures.sweep.figures import save_sweep_figures, sweep_figure_paths
 from ..files.errors import ClusterError, ScenarioError
-from ..files.numbers import whole_number
+from ..files.numbers import typed_whole
 from ..files.quote import escaped, shown
-from ..files.writing import writable_folder
+from ..files.writing import refuse_overwriting, writable_folder
 from ..scenarios.layers import Value
 from ..sweep.axes import DESIGNS, Values
 from ..sweep.plan import MANY_RUNS, plan
 from ..sweep.run import engine, sweep_planned
 from .options import observer_option, over_option, scenario_argument, set_option, whole_option
 from .pace import Pace
-from .reports.sweep import notes, tables
-from .terminal import NUMERICAL, bar, complain, counting, print_table
-
-# a shell adds the number of the signal
-_INTERRUPTED = 128
+from .reports.sweep import notes, step_table, tables
+from .stopping import Stopped
+from .terminal import NUMERICAL, bar, counting, print_table, say
 
 
 @click.command()
@@ -71,7 +67,7 @@ def sweep(
     yes: bool,
 ) -> None:
     """Run SCENARIO for all values of some parameters and many seeds; print where the errors are smallest."""
-    with _signals(out) as check:
+    with _noting_what_is_kept(out):
         planned = plan(
             scenario,
             over,
@@ -85,23 +81,19 @@ def sweep(
         if planned.runs > MANY_RUNS and not yes:
             raise ScenarioError(f"{planned.runs:,} runs are more than {MANY_RUNS:,}; say --yes if they are meant")
         path = None if out is None else writable_folder(Path(out).parent) / Path(out).name
+        if path is not None and not no_figures:
+            refuse_overwriting(sweep_figure_paths(planned.axes, planned.observers, path.parent, path.stem))
         with engine(workers, cluster) as (compute, usual), counting("runs", planned.runs) as advance:
             pace = Pace(advance)
-
-            def progress(done: int, of: int) -> None:
-                check()
-                pace(done, of)
-
             try:
-                dataset = sweep_planned(planned, path, compute, target or usual, progress)
+                dataset = sweep_planned(planned, path, compute, usual if target is None else target, pace)
             except ClusterError as error:
-                raise ClusterError(f"{error}{_kept(out)}") from error
-        for note in (*pace.sentences(), *notes(dataset)):
-            click.echo(escaped(note))
-        for table in tables(dataset):
+                raise ClusterError("; ".join([str(error), *_kept(out)])) from error
+        written = [] if path is None else _written(dataset, path, no_figures)
+        say(*pace.sentences(), *notes(dataset))
+        for table in (*tables(dataset), *step_table(dataset)):
             print_table(table)
-        if path is not None:
-            click.echo(_written(dataset, path, no_figures))
+        say(*written)
     if dataset.failed_at.notnull().any() or dataset.plant_failed_at.notnull().any():
         sys.exit(NUMERICAL)
 
@@ -115,54 +107,33 @@ def _kind(zipped: bool, design: str | None) -> tuple[str, int]:
     kind, colon, samples = design.partition(":")
     if kind not in DESIGNS or not colon:
         raise ScenarioError(f"--design must be {' or '.join(f'{name}:N' for name in DESIGNS)}, not {shown(design)}")
-    return kind, whole_number("--design", samples, 0)
+    return kind, typed_whole("--design", samples, 0)
 
 
-def _written(dataset: xr.Dataset, path: Path, no_figures: bool) -> str:
+def _written(dataset: xr.Dataset, path: Path, no_figures: bool) -> list[str]:
     """Draw the figures beside the result, and say where both are."""
-    written = escaped(f"written to {path}")
+    written = f"written to {path}"
     if no_figures:
-        return written
+        return [written]
     with bar("drawing"):
         drawn, sentence = save_sweep_figures(dataset, path.parent, path.stem)
     names = "".join(f", {figure.name} and .pdf" for figure in drawn if figure.suffix == ".png")
-    return f"{sentence}\n{written}{names}".lstrip()
+    return [*filter(None, [sentence]), f"{written}{names}"]
 
 
 @contextlib.contextmanager
-def _signals(out: str | None) -> Iterator[Callable[[], None]]:
-    """Ctrl-C, TERM and HUP end the command with a sentence and 128 + the signal's number; yields a check for one."""
-    came: list[int] = []
-
-    def end(number: int, frame: FrameType | None) -> None:
-        came.append(number)
-        if len(came) == 1:  # the next ones do not disturb what the first has begun
-            raise _EndedError
-
-    def check() -> None:
-        if came:  # what it raised was lost, in a destructor of some library
-            raise _EndedError
-
-    # what nohup or a shell has made deaf stays so
-    watched = [n for n in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP) if signal.getsignal(n) != signal.SIG_IGN]
-    before = {number: signal.signal(number, end) for number in watched}
+def _noting_what_is_kept(out: str | None) -> Iterator[None]:
+    """A signal that ends the sweep is noted where its work is."""
     try:
-        yield check
-    except _EndedError:
-        complain(f"stopped{_kept(out)}")
-        sys.exit(_INTERRUPTED + came[0])
-    finally:
-        if not came:
-            for number, handler in before.items():
-                signal.signal(number, handler)
+        yield
+    except Stopped as stopped:
+        for sentence in _kept(out):
+            stopped.add_note(escaped(sentence))
+        raise
 
 
-def _kept(out: str | None) -> str:
-    """Where the work of a sweep that was stopped is."""
+def _kept(out: str | None) -> list[str]:
+    """Where the work of a sweep that was stopped is; nothing if there is none."""
     if out and os.path.isdir(f"{out}.parts"):
-        return f"; what is done is kept in {out}.parts, the same command goes on"
-    return f"; the result is in {out}, the same command draws it" if out and os.path.isfile(out) else ""
-
-
-class _EndedError(BaseException):
-    """A signal has come; no `except Exception` on the way may keep it."""
+        return [f"what is done is kept in {out}.parts, the same command goes on"]
+    return [f"the result is in {out}, the same command draws it"] if out and os.path.isfile(out) else []

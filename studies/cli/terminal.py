@@ -9,20 +9,29 @@ import sys
 from collections.abc import Callable, Iterator
 
 import click
-from rich.console import Console
+from rich.console import Console, RenderableType
 from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
+from rich.text import Text
 
 from ...codegen.building import told_of_builds
 from ...codegen.cache import BuildError
+from ...codegen.system.room import has_room
 from ...model.errors import Error
 from ..files.quote import escaped
 
 # exit codes: numbers that are not finite, a user's mistake
 NUMERICAL, USAGE = 1, 2
+_LIBRARY = 100_000_000  # bytes: more than the largest library that a command loads
 # columns of a table in a pipe or a file, where nobody wraps lines
 _PIPE_WIDTH = 120
+
+
+def say(*lines: str, err: bool = False) -> None:
+    """Lines on standard output: what others have named smuggles neither control characters nor lines into them."""
+    for line in lines:
+        click.echo(escaped(line), err=err)
 
 
 def print_table(table: Table) -> None:
@@ -51,11 +60,20 @@ def pieces(table: Table, console: Console) -> Iterator[Table]:
 
 
 def _with_columns(table: Table, chosen: list[int]) -> Table:
-    """A table with the first column and those chosen of the others."""
+    """A table with the first column and those chosen of the others, its words as they are: no markup, no controls."""
     part = copy.copy(table)
-    columns = [table.columns[i] for i in (0, *chosen)]
-    part.columns = [dataclasses.replace(column, _index=i) for i, column in enumerate(columns)]
+    part.title = None if table.title is None else _plain(table.title)
+    part.columns = [
+        dataclasses.replace(column, _index=i, header=_plain(column.header), _cells=list(map(_plain, column.cells)))
+        for i, column in enumerate(table.columns[j] for j in (0, *chosen))
+    ]
     return part
+
+
+def _plain(words: RenderableType) -> Text:
+    """Words without markup, which names with brackets would be, and without control characters; a heading has lines."""
+    lines = str(words).split("\n")
+    return Text("\n".join(map(escaped, lines)), style=words.style if isinstance(words, Text) else "")
 
 
 def _width(table: Table, console: Console) -> int:
@@ -110,17 +128,21 @@ def user_errors() -> Iterator[None]:
     try:
         yield
     except BuildError as error:  # the compiler's own words take several lines
-        click.echo("hillobs: " + "\n".join(map(escaped, str(error).splitlines())), err=True)
+        say(*f"hillobs: {error}".splitlines(), err=True)
         sys.exit(USAGE)
     except Error as error:
         complain(str(error))
         sys.exit(USAGE)
-    except MemoryError as error:  # NumPy says how much it asked for
-        complain(f"there is not enough memory. {error}".rstrip(". "))
+    except Exception as error:
+        # for want of memory a library may seem not to be installed, or a number out of range
+        if not isinstance(error, MemoryError) and has_room(_LIBRARY):
+            raise
+        words = error if isinstance(error, MemoryError) else ""  # NumPy says how much it asked for
+        complain(f"there is not enough memory. {words}".rstrip(". "))
         sys.exit(USAGE)
 
 
 def complain(sentence: str) -> None:
-    """A sentence on the error stream; file names cannot smuggle control characters into a terminal."""
+    """A sentence, on one line of the error stream."""
     with contextlib.suppress(OSError):  # without a listener the exit code says it
-        click.echo(f"hillobs: {escaped(sentence)}", err=True)
+        say(f"hillobs: {sentence}", err=True)

@@ -12,7 +12,8 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from ...codegen.batch import Failure, Trace, compile_loop
+from ...codegen.batch import Trace, compile_loop
+from ...codegen.failure import Failure
 from ...codegen.loop import Loop
 from ...codegen.memory import Grid
 from ...model.arrays import Array
@@ -97,7 +98,7 @@ def errata(progress: Progress = unseen) -> list[Result]:
         *((_tracking, variant) for variant in variants(CONTROLLER)),
         *((_estimation, variant) for variant in variants(OBSERVER)),
     ]
-    parts = shares(progress, len(runs))
+    parts = shares(progress, [1] * len(runs))
     results = [study(variant, part) for (study, variant), part in zip(runs, parts, strict=True)]
     return [*results, *joints()]
 

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...codegen.failure import Failure
 from ...model.arrays import Array
+from ...observers.conditions import Checked
 from ...observers.observer import Sizes
 from ..laboratory.muscles import MusclePair
 from ..laboratory.recording import Recording
@@ -26,12 +28,17 @@ class Settings:
 
 @dataclass(frozen=True, eq=False)
 class Result:
-    """One observer's outputs and guards by name, each (n), dimensionless, and how it was run."""
+    """One observer's outputs and guards by name, each (n), dimensionless, and how it was run.
+
+    violated: its gain conditions that do not hold. From a failure on the numbers are NaN.
+    """
 
     y: Mapping[str, Array]
     guards: Mapping[str, Array]
     gains: Mapping[str, float]
     substeps: int
+    violated: Sequence[Checked]
+    failure: Failure | None
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,20 +4,23 @@ from __future__ import annotations
 
 import dataclasses
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from ...codegen.failure import Failure
 from ...model.arrays import Array
 from ...model.curves import CURVES
 from ...model.skeleton import lengths
 from ...model.symbols import STATES, hat
+from ...observers.conditions import Checked
 from ...observers.spread import FIBRES, sd
 from ..files.versions import versions
-from ..laboratory.muscles import muscle_file, muscle_pair
+from ..laboratory.muscles import muscle_file
+from ..simulate.failures import observer_failure
 from .case import Case, Result
 
 _MUSCLES = (1, 2)
@@ -34,7 +37,7 @@ TRUE: Mapping[str, tuple[str, str]] = {
     "activation": ("1", "true activations"),
     "excitation": ("1", "true excitations"),
 }
-_PER_MUSCLE = ("force", "tendon_length", "fibre_length", "fibre_velocity", "activation", "excitation")
+PER_MUSCLE = ("force", "tendon_length", "fibre_length", "fibre_velocity", "activation", "excitation")
 
 
 def estimate_dataset(case: Case, results: Mapping[str, Result], library: str) -> xr.Dataset:
@@ -52,7 +55,9 @@ def estimate_dataset(case: Case, results: Mapping[str, Result], library: str) ->
         # an observer that estimates activations itself has no such limit
         none = np.zeros(len(y))
         guards = [[r.guards.get(f"{quantity}{j}_hat_limit", none) for j in _MUSCLES] for r in results.values()]
-        return np.array(guards).transpose(0, 2, 1).astype(np.int8)
+        # after a failure nothing is limited
+        active: Array = np.nan_to_num(np.array(guards, dtype=float))
+        return active.transpose(0, 2, 1).astype(np.int8)
 
     x1, L_S = stacked("x1"), stacked(*STATES[2:])
     # L_C = L_m − L_S
@@ -94,7 +99,7 @@ def estimate_dataset(case: Case, results: Mapping[str, Result], library: str) ->
     }
     data |= _deviations(case, results)
     for name, (unit, sentence) in TRUE.items():
-        columns = [f"{name}_{j}" for j in _MUSCLES] if name in _PER_MUSCLE else [name]
+        columns = [f"{name}_{j}" for j in _MUSCLES] if name in PER_MUSCLE else [name]
         if all(column in recording.true for column in columns):
             values = np.stack([recording.true[column][case.kept] for column in columns], axis=-1)
             dims = ("time", "muscle") if len(columns) > 1 else ("time",)
@@ -137,12 +142,6 @@ def _about(unit: str, sentence: str) -> dict[str, str]:
     return {"long_name": sentence, "units": unit}
 
 
-def arguments(dataset: xr.Dataset) -> dict[str, Any]:
-    """What `estimate` needs beside the recording to repeat a result, by the names of its arguments."""
-    muscles = muscle_pair(json.loads(str(dataset.muscle_file.values)))
-    return {"muscles": muscles, "observers": dataset.observer.values.tolist(), **json.loads(dataset.attrs["settings"])}
-
-
 def _manifest(case: Case, results: Mapping[str, Result], library: str) -> dict[str, str]:
     """How the estimates were made; everything as text, for NetCDF."""
     recording = case.recording
@@ -160,6 +159,8 @@ def _manifest(case: Case, results: Mapping[str, Result], library: str) -> dict[s
         "sizes": json.dumps(dataclasses.asdict(case.sizes)),
         "gains": json.dumps({name: dict(result.gains) for name, result in results.items()}),
         "substeps": json.dumps({name: result.substeps for name, result in results.items()}),
+        "violated_conditions": json.dumps({n: [str(c) for c in r.violated] for n, r in results.items() if r.violated}),
+        "failures": json.dumps({n: _explain(case, n, r.failure, r.violated) for n, r in results.items() if r.failure}),
         "period": repr(case.period / case.scales.rate),
         "longest_step": repr(float(np.diff(recording.time).max())),
         "duration": repr(float(recording.time[-1] - recording.time[0])),
@@ -167,3 +168,9 @@ def _manifest(case: Case, results: Mapping[str, Result], library: str) -> dict[s
         "library": library,
         "versions": json.dumps(versions()),
     }
+
+
+def _explain(case: Case, name: str, failure: Failure, violated: Sequence[Checked]) -> str:
+    time = case.recording.time[0] + failure.time / case.scales.rate
+    likely = "the gains are too fast or unstable, or the data too wild"
+    return observer_failure(name, failure, f"at {time:.4g} s", [condition.name for condition in violated], likely)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...codegen.bank import Bank
-from ...codegen.filters import CompiledBank
+from ...codegen.filters import CompiledBank, Filter
 from ...codegen.stepper import STAGES
 from ...model.arrays import Array
 from ...model.block import Block, Symbols, symbols
@@ -76,14 +76,11 @@ def lengths_block(bank: Bank) -> Block:
     return bank.observers[0]
 
 
-def followed(
-    compiled: CompiledBank, observer: str, numbers: Array, substeps: int, period: float, t: Array, y: Array
-) -> Iterator[tuple[slice, Array, Array]]:
+def followed(filter_: Filter, period: float, t: Array, y: Array) -> Iterator[tuple[slice, Array, Array]]:
     """Samples, and outputs and guards there, piece by piece.
 
-    substeps: those of a step of one `period`; longer steps are filled with samples in straight lines.
+    period: that of the substeps of the filter; longer steps are filled with samples in straight lines.
     """
-    filter_ = compiled.follow(observer, numbers, substeps)
     for start in range(0, len(t), _CHUNK):
         piece, before = slice(start, start + _CHUNK), slice(max(0, start - 1), start + _CHUNK)
         times, values, places = _filled(t[before], y[before], period)

@@ -17,16 +17,19 @@ from ...model.symbols import MEASURED, hat
 from ...observers import OBSERVERS, PAPER, Observer
 from ...observers.tendons import LENGTHS
 from ..files.errors import RecordingError, ScenarioError
+from ..files.numbers import switch, whole
 from ..files.progress import Progress, shares, unseen
-from ..files.quote import shown
+from ..files.quote import shown, table
 from ..laboratory.gaps import bridged, refuse_impossible, refuse_long_steps
 from ..laboratory.muscles import MusclePair, read_muscles
 from ..laboratory.recording import Recording, read_recording
+from ..laboratory.samples import MOST_NUMBERS
 from ..laboratory.scales import scales
 from ..scenarios.layers import Value
 from ..scenarios.paths import Paths, paths_of
 from ..scenarios.scenario import checked_number
 from .case import Case, Result, Settings
+from .conditions import gain_conditions
 from .dataset import estimate_dataset
 from .first_pass import compile_first_pass, first_pass
 from .follow import compiled_bank, followed, follower_bank, lengths_block, observers_named, tendon_lengths
@@ -63,16 +66,16 @@ def estimate(
     """
     chosen = _chosen(observers)
     pair = muscles if isinstance(muscles, MusclePair) else read_muscles(muscles)
-    bank = _bank(pair, corrected, chosen)
+    bank = _bank(pair, switch("corrected", corrected), chosen)
     _refuse_taken(chosen, bank)
     paths = paths_of(bank.observers)
     settings = _settings(corrected, changes or {}, keep_every, paths, chosen)
     if isinstance(recording, Recording):
-        parts, read = shares(progress or unseen, len(chosen)), recording
+        parts, read = shares(progress or unseen, [1] * len(chosen)), recording
     else:
-        parts = shares(progress or unseen, 1 + len(chosen))
+        parts = shares(progress or unseen, [1] * (1 + len(chosen)))
         read = read_recording(recording, mapping, next(parts))
-    _check_size(len(read), keep_every, len(chosen))
+    _check_size(len(read), settings.keep_every, len(chosen))
     compiled = compiled_bank(bank)
     case = _case(read, pair, compiled, paths, settings)
     results = {name: _follow(case, compiled, paths, name, chosen[name], next(parts)) for name in chosen}
@@ -108,10 +111,9 @@ def _settings(
     corrected: bool, changes: Mapping[str, Value], keep_every: int, paths: Paths, chosen: Mapping[str, Observer]
 ) -> Settings:
     """What was asked for, checked before anything is read. ScenarioError says what is wrong."""
-    if keep_every < 1:
-        raise ScenarioError(f"keep_every must be at least 1, not {keep_every}")
+    keep_every = whole("keep_every", keep_every, 1, MOST_NUMBERS)
     numbers: dict[str, float] = {}
-    for path, value in changes.items():
+    for path, value in table("changes", changes).items():
         if path.partition(".")[0] not in chosen:
             raise ScenarioError(
                 f"{shown(path)} is no gain of {', '.join(chosen)}; the muscle file has all other numbers"
@@ -159,17 +161,20 @@ def _follow(
     gains = {path: value for path, value in {**rule, **by_hand}.items() if path.partition(".")[2] in block.p}
     numbers = paths.values(block, {**case.scales.numbers, **gains, **_start(case)})
     first = {"t": 0.0, **dict(zip((*MEASURED, *LENGTHS), [*case.y[0], *case.z[0]], strict=True))}
-    steps = substeps(observer, block, dict(zip(block.p, numbers, strict=True)), first, case.period)
+    by_name = dict(zip(block.p, numbers, strict=True))
+    steps = substeps(observer, block, by_name, first, case.period)
+    violated = [c for c in gain_conditions(observer, by_name, case.sizes, case.period / steps) if not c.holds]
+    filter_ = compiled.follow(name, np.array(numbers), steps)
     kept = len(range(len(case.tau))[case.kept])
     y, guards, place = np.empty((kept, len(block.y))), np.empty((kept, len(block.guards))), 0
     # what moves at samples only knows how long a step is, and needs none filled in
     longest = math.inf if block.sampled else case.period
-    for piece, outputs, active in followed(compiled, name, np.array(numbers), steps, longest, case.tau, case.y):
+    for piece, outputs, active in followed(filter_, longest, case.tau, case.y):
         chosen = slice(-piece.start % case.settings.keep_every, None, case.settings.keep_every)
         here = slice(place, place + len(outputs[chosen]))
         y[here], guards[here], place = outputs[chosen], active[chosen], here.stop
         progress(min(piece.stop, len(case.tau)) / len(case.tau))
-    return Result(_named(block.y, y), _named(block.guards, guards), gains, steps)
+    return Result(_named(block.y, y), _named(block.guards, guards), gains, steps, violated, filter_.failure)
 
 
 def _start(case: Case) -> dict[str, float]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import math
 from collections.abc import Iterator
 from dataclasses import astuple, dataclass, fields
 
@@ -29,7 +31,7 @@ class Score:
     peak: float
 
 
-HEADER = tuple(field.name for field in fields(Score))
+_HEADER = tuple(field.name for field in fields(Score))
 
 
 def scores(dataset: xr.Dataset) -> list[Score]:
@@ -39,12 +41,13 @@ def scores(dataset: xr.Dataset) -> list[Score]:
 
 def scores_csv(scores: list[Score]) -> str:
     """A row per score."""
-    return csv_text([HEADER, *map(astuple, scores)])
+    return csv_text([_HEADER, *map(astuple, scores)])
 
 
 def _scores(late: xr.Dataset) -> Iterator[Score]:
     if late.sizes["time"] == 0:
         return
+    failed = json.loads(late.attrs["failures"])
     for observer in late.observer.values.tolist():
         for quantity in ESTIMATED:
             if f"true_{quantity}" not in late:
@@ -55,5 +58,7 @@ def _scores(late: xr.Dataset) -> Iterator[Score]:
             if "muscle" in error.dims:
                 parts = {BOTH: error, **{str(j): error.sel(muscle=j) for j in (1, 2)}}
             for muscle, part in parts.items():
-                rmse = float(np.sqrt((part**2).mean()))
-                yield Score(observer, quantity, muscle, estimates.attrs["units"], rmse, float(np.abs(part).max()))
+                rmse, peak = float(np.sqrt((part**2).mean())), float(np.abs(part).max())
+                if observer in failed:
+                    rmse = peak = math.nan
+                yield Score(observer, quantity, muscle, estimates.attrs["units"], rmse, peak)

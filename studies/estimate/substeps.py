@@ -42,8 +42,9 @@ def substeps(
 
 
 def _fastest(block: Block, rates: Rates, numbers: Mapping[str, float]) -> float:
-    expressions = ca.vertcat(*rates(block.p).values())
-    if not expressions.numel():
+    named = rates(block.p)
+    expressions = ca.vertcat(*named.values())
+    if not named:
         return 0.0
     values = _numeric(expressions, block.p, numbers)[:, 0]
     if not np.isfinite(values).all():
@@ -51,6 +52,9 @@ def _fastest(block: Block, rates: Rates, numbers: Mapping[str, float]) -> float:
         zeros = [f"{block.name}.{name}" for name, p in block.p.items() if not numbers[name] and ca.depends_on(wrong, p)]
         if zeros:
             raise ScenarioError(f"{' and '.join(zeros)} = 0 has no fastest rate; a recording needs a layer above 0")
+        if np.isnan(values).any():
+            name = list(named)[int(np.argmax(np.isnan(values)))]
+            raise ScenarioError(f"the gains of {block.name} make no observer: its rate {name} is no number")
     return float(values.max())
 
 

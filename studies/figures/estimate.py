@@ -21,6 +21,8 @@ from . import style
 from .page import above, settings, write_figures
 from .traces import traces, with_margin
 
+# what the figure is called
+SHEET = "sheet"
 # points of a line that a page can show
 _MOST_POINTS = 4000
 # inches: a panel, and one that is looked at most
@@ -90,7 +92,7 @@ def estimate_sheet(dataset: xr.Dataset) -> Figure:
 
 def save_sheet(dataset: xr.Dataset, folder: str | Path, stem: str) -> list[Path]:
     """Write the sheet as `STEM-sheet.png` and `.pdf`; the same estimates give the same bytes."""
-    return write_figures({"sheet": estimate_sheet(dataset)}, folder, stem)
+    return write_figures({SHEET: estimate_sheet(dataset)}, folder, stem)
 
 
 def _measured(upper: Axes, lower: Axes, thin: xr.Dataset) -> None:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Iterator, Mapping, Sequence
+import itertools
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -11,11 +12,13 @@ import matplotlib
 from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 
-from ..files.writing import write_whole
+from ..files.writing import refuse_overwriting, write_whole
 from . import style
 
 # entries of a legend that a page is wide enough for
 _COLUMNS = 5
+# the kinds of files, and how each is kept from saying when it was made
+_UNDATED: Mapping[str, dict[str, None]] = {"png": {"Software": None}, "pdf": {"CreationDate": None}}
 
 
 def above(figure: Figure, handles: Sequence[Artist]) -> None:
@@ -33,15 +36,22 @@ def settings() -> Iterator[None]:
         yield
 
 
+def figure_paths(folder: str | Path, stem: str, keys: Iterable[str]) -> list[Path]:
+    """The files of the figures that `write_figures` writes, in its order."""
+    return [Path(folder) / f"{stem}-{key}.{kind}" for key in keys for kind in _UNDATED]
+
+
 def write_figures(drawn: Mapping[str, Figure], folder: str | Path, stem: str) -> list[Path]:
-    """Write figures as `STEM-KEY.png` and `.pdf`, without a date. ResultError if one cannot be written."""
-    paths = []
-    for key, figure in drawn.items():
-        for kind, undated in (("png", {"Software": None}), ("pdf", {"CreationDate": None})):
-            content = io.BytesIO()
-            with settings():
-                figure.savefig(content, format=kind, metadata=undated)
-            figure.set_layout_engine("none")  # found once, it also holds for the second file
-            paths.append(Path(folder) / f"{stem}-{key}.{kind}")
-            write_whole(paths[-1], content.getvalue())
+    """Write figures as `STEM-KEY.png` and `.pdf`, without a date. ResultError if one cannot be written.
+
+    If one is there that `refuse_overwriting` refuses, none is written.
+    """
+    paths = figure_paths(folder, stem, drawn)
+    refuse_overwriting(paths)
+    for path, (figure, kind) in zip(paths, itertools.product(drawn.values(), _UNDATED), strict=True):
+        content = io.BytesIO()
+        with settings():
+            figure.savefig(content, format=kind, metadata=_UNDATED[kind])
+        figure.set_layout_engine("none")  # found once, it also holds for the second file
+        write_whole(path, content.getvalue())
     return paths

@@ -21,12 +21,14 @@ from ...model.arrays import Array
 from ...model.curves.tendon import Tendon, tendon
 from ...model.symbols import MUSCLES, SIGNALS, STATES, hat
 from ...observers import label
+from ..files.quote import drawn
 from ..scenarios.scenario import curves_of
 from . import style
 from .page import above, settings, write_figures
 from .traces import line, traces
 from .views import Flags, infeasible, limits, series, slack, start, true
 
+FIGURES = ("phi_s", "reference", "states", "inputs", "activations")
 INPUTS = ("Delta", "u1", "u2")
 ACTIVATIONS = ("a1", "a2")
 
@@ -38,15 +40,10 @@ _NUMBERS = 5
 
 
 def figures(dataset: xr.Dataset) -> dict[str, Figure]:
-    """All figures of one run: `phi_s`, `reference`, `states`, `inputs`, `activations`."""
+    """All figures of one run, by the names in FIGURES."""
     with settings():
-        drawn = {
-            "phi_s": phi_s(dataset),
-            "reference": reference(dataset),
-            "states": estimates(dataset, STATES),
-            "inputs": estimates(dataset, INPUTS),
-            "activations": estimates(dataset, ACTIVATIONS),
-        }
+        groups = (estimates(dataset, quantities) for quantities in (STATES, INPUTS, ACTIVATIONS))
+        drawn = dict(zip(FIGURES, (phi_s(dataset), reference(dataset), *groups), strict=True))
         for figure in drawn.values():
             _name_changes(figure, dataset)
         return drawn
@@ -57,7 +54,7 @@ def _name_changes(figure: Figure, dataset: xr.Dataset) -> None:
     scenario, run = dataset.attrs["scenario"], dataset.attrs.get("run", "")
     if changes := run.removeprefix(scenario).strip(","):
         words = f"{scenario}: {changes.replace(',', ', ').replace('=', ' = ')}"
-        words = textwrap.fill(words, int(_LETTERS * figure.get_figwidth()))
+        words = textwrap.fill(drawn(words), int(_LETTERS * figure.get_figwidth()))
         # above the panels a title would lie on the legend
         if figure.legends:
             figure.legends[0].set_title(words, FontProperties(size=_TITLE))

@@ -1,11 +1,17 @@
-"""Numbers in the texts of others: one strict pattern, and the cells of a table by it."""
+"""Numbers of others, strictly: in the texts of files and command lines, and in the arguments of Python calls."""
 
 from __future__ import annotations
 
 import math
 import re
-from numbers import Real
+from collections.abc import Callable, Sequence
+from numbers import Integral
+from typing import Any, cast
 
+import numpy as np
+from numpy.typing import NDArray
+
+from ...model.arrays import Array, is_number
 from ...model.block import Parameter
 from .errors import ScenarioError
 from .quote import short, shown
@@ -16,32 +22,105 @@ NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 GAP = re.compile(r"([+-]?nan)?", re.IGNORECASE | re.ASCII)
 # of a whole number on a command line
 _MOST_DIGITS = 12
+# no quantity of a muscle, in any unit, is beyond these; a product of ten such numbers is a number still
+_SMALLEST, _LARGEST = 1e-30, 1e30
+_LARGEST_SEED = 2**64 - 1
 
 
-def whole_number(option: str, text: str, least: int) -> int:
-    """The whole number that an option is given as typed. ScenarioError if it is none, or below `least`."""
-    if not text.isascii() or not text.isdigit() or len(text) > _MOST_DIGITS or int(text) < least:
-        raise ScenarioError(f"{option} must be a whole number of at least {least}, not {shown(text)}")
-    return int(text)
+def typed_whole(option: str, text: str, least: int, most: int | None = None) -> int:
+    """The whole number that an option is given as typed. ScenarioError if it is none, or out of bounds."""
+    plain = int(text) if text.isascii() and text.isdigit() and len(text) <= _MOST_DIGITS else least - 1
+    if not least <= plain <= (plain if most is None else most):
+        raise ScenarioError(f"{option} must be a whole number {_bounds(least, most)}, not {shown(text)}")
+    return plain
 
 
 def parse_number(what: str, text: str) -> float:
-    """A number as typed: digits, point, exponent. ScenarioError says what is not one."""
+    """A finite number as typed: digits, point, exponent. ScenarioError says what is not one."""
     if not NUMBER.fullmatch(text):
         raise ScenarioError(f"{short(what)} must be a number, not {shown(text)}")
-    return float(text)
+    return number(short(what), float(text))
+
+
+def number(what: str, value: object) -> float:
+    """A finite number of Python or NumPy. ScenarioError for all else, texts and truth values included."""
+    if not is_number(value):
+        raise ScenarioError(f"{what} must be a number, not {shown(value)}")
+    try:
+        plain = float(value)
+    except OverflowError:
+        plain = math.inf
+    if not math.isfinite(plain):
+        raise ScenarioError(f"{what} must be a finite number, not {plain}")
+    return plain
+
+
+def whole(what: str, value: object, least: int, most: int | None = None) -> int:
+    """A whole number of Python or NumPy. ScenarioError for all else, truth values and 1.0 included."""
+    plain = int(value) if is_number(value) and isinstance(value, Integral) else None
+    if plain is None or plain < least or (most is not None and plain > most):
+        raise ScenarioError(f"{what} must be a whole number {_bounds(least, most)}, not {shown(value)}")
+    return plain
+
+
+def numbers(what: str, values: object, most: int) -> Array:
+    """(n) the finite numbers of a sequence, or a number alone. ScenarioError for all else, and for n above `most`."""
+    return _column(what, [values] if is_number(values) else values, most, float, number)
+
+
+def seeds(what: str, values: object, most: int) -> NDArray[np.uint64]:
+    """(n) the whole numbers of a sequence, each a seed. ScenarioError as above."""
+    return _column(what, values, most, np.uint64, seed)
+
+
+def seed(what: str, value: object) -> int:
+    """A whole number from 0 to 2⁶⁴ − 1. ScenarioError for all else."""
+    return whole(what, value, 0, _LARGEST_SEED)
+
+
+def samples(what: str, values: object, most: int) -> Array:
+    """(n) an array of numbers, NaN where there is none. ScenarioError for all else, and for n above `most`."""
+    if not isinstance(values, np.ndarray) or values.ndim != 1 or values.dtype.kind not in "iuf":
+        raise ScenarioError(f"{what} must be an array of numbers in one dimension, not {shown(values)}")
+    if values.size > most:
+        raise ScenarioError(f"{what} has {values.size:,} values, more than {most:,}")
+    if np.isinf(values).any():
+        raise ScenarioError(f"{what} must be finite numbers, or NaN where there is none")
+    return values.astype(float, copy=False)
+
+
+def switch(what: str, value: object) -> bool:
+    """A truth value. ScenarioError if it is anything else."""
+    if not isinstance(value, bool | np.bool_):
+        raise ScenarioError(f"{what} must be true or false, not {shown(value)}")
+    return bool(value)
 
 
 def within(path: str, value: object, parameter: Parameter) -> float:
     """`value` as a number within the bounds of `parameter`. ScenarioError names `path` and says what it must be."""
-    if isinstance(value, bool) or not isinstance(value, Real):
-        raise ScenarioError(f"{path} must be a number, not {shown(value)}")
-    try:
-        number = float(value)
-    except OverflowError:
-        number = math.inf
-    if not math.isfinite(number):
-        raise ScenarioError(f"{path} must be a finite number, not {number}")
-    if objection := parameter.objection(number):
-        raise ScenarioError(f"{path} must be {objection}, not {number:.12g}")
-    return number
+    plain = number(path, value)
+    if plain and not _SMALLEST <= abs(plain) <= _LARGEST:
+        raise ScenarioError(f"{path} must be 0 or from {_SMALLEST:g} to {_LARGEST:g} in magnitude, not {plain:g}")
+    if objection := parameter.objection(plain):
+        raise ScenarioError(f"{path} must be {objection}, not {plain:.12g}")
+    return plain
+
+
+def _column(
+    what: str, values: object, most: int, dtype: type[Any], checked: Callable[[str, object], float]
+) -> NDArray[Any]:
+    """(n) the values of a sequence, `checked` one by one; its size is looked at first."""
+    # arrays of xarray and pandas too, but none of objects
+    is_array = getattr(values, "ndim", 0) == 1 and getattr(getattr(values, "dtype", None), "kind", "O") != "O"
+    if not (is_array or isinstance(values, Sequence)) or isinstance(values, str | bytes):
+        raise ScenarioError(f"{what} must be a list of numbers, not {shown(values)}")
+    column = np.asarray(values) if is_array else cast(Sequence[object], values)
+    if not 1 <= len(column) <= most:
+        raise ScenarioError(f"{what}: there must be 1 to {most:,} values, not {len(column):,}")
+    return np.fromiter((checked(what, value) for value in column), dtype, len(column))
+
+
+def _bounds(least: int, most: int | None) -> str:
+    if most == _LARGEST_SEED:
+        return f"from {least} to 2⁶⁴ − 1"
+    return f"of at least {least:,}" if most is None else f"from {least:,} to {most:,}"

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+import itertools
+from collections.abc import Callable, Iterator, Sequence
 
 # the fraction done, from 0 to 1
 Progress = Callable[[float], None]
@@ -14,10 +15,11 @@ def unseen(*_: float) -> None:
     """Either kind, where nobody watches."""
 
 
-def shares(progress: Progress, parts: int) -> Iterator[Progress]:
-    """A progress for each of some parts of equal length, one after the other."""
+def shares(progress: Progress, lengths: Sequence[float]) -> Iterator[Progress]:
+    """A progress for each of some parts of these lengths, one after the other."""
 
-    def share(part: int) -> Progress:
-        return lambda done: progress((part + done) / parts)
+    def share(start: float, length: float) -> Progress:
+        return lambda done: progress((start + length * done) / ends[-1])
 
-    return map(share, range(parts))
+    ends = [0.0, *itertools.accumulate(lengths)]
+    return map(share, ends, lengths)

@@ -1,8 +1,15 @@
-"""Words of others inside our sentences: short, on one line, harmless to a terminal."""
+"""Words of others: short and on one line in a sentence, harmless to a terminal and on paper, fit to be stored."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import re
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from .errors import ScenarioError
+
+# what a result cannot carry: the end of a C string, and halves of characters
+_NO_TEXT = re.compile(r"[\0\ud800-\udfff]")
 
 _HALF = 60
 _DIGITS = 10**40
@@ -11,6 +18,29 @@ _DIGITS = 10**40
 def escaped(text: str) -> str:
     r"""`text` with every character that cannot be printed as an escape, such as \n."""
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
+
+
+def drawn(text: str) -> str:
+    """`text` for a figure: what would be mathematics between dollars stays dollars."""
+    return escaped(text).replace("$", r"\$")
+
+
+def text(what: str, value: object) -> str:
+    """`value` as a text that a result can carry. ScenarioError says what is none."""
+    if not isinstance(value, str):
+        raise ScenarioError(f"{what} must be a text, not {shown(value)}")
+    if _NO_TEXT.search(value):
+        raise ScenarioError(f"{what} must be a text of whole characters without \\0, not {shown(value)}")
+    return value
+
+
+def table(what: str, value: object) -> dict[str, Any]:
+    """`value` as a dict whose keys are texts. ScenarioError if it is none."""
+    if not isinstance(value, Mapping):
+        raise ScenarioError(f"{what} must be a dict, not {shown(value)}")
+    if odd := [key for key in value if not isinstance(key, str)]:
+        raise ScenarioError(f"a name in {what} must be a text such as plant.m, not {shown(odd[0])}")
+    return dict(value)
 
 
 def short(text: str) -> str:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import platform
 from importlib import metadata
 
+__version__ = metadata.version("hillobs")
+
 
 def versions() -> dict[str, str]:
     """Name → version of everything that computes."""

@@ -14,24 +14,32 @@ from ...model.curves import CURVES, NGUYEN2019_PRINTED, Curves, CurveSet
 from ...model.symbols import MUSCLES
 from ..files.errors import ScenarioError, TomlError
 from ..files.numbers import within
-from ..files.quote import short, shown
+from ..files.quote import short, shown, table, text
 from ..files.toml import read_toml
 from .curves import SUFFIX, read_curves, tabulated_curves
 
 _FILE = "muscle file"
-# no default: a pair is not known without them; the upper bounds find millimetres where metres belong
+# No default: a pair is not known without them. The ranges reach decades beyond the smallest muscles of a mouse and the
+# largest of an elephant (docs/recordings.md); the upper ones of lengths find millimetres where metres belong.
 PAIR: Mapping[str, Parameter] = {
-    "mass": Parameter(math.nan, "mass that the muscles pull", _FILE, "kg", above=0),
+    "mass": Parameter(math.nan, "mass that the muscles pull", _FILE, "kg", least=1e-9, most=1e6),
     "C": Parameter(
-        math.nan, "distance between the origins: both muscles' lengths together", _FILE, "m", above=0, below=20
+        math.nan, "distance between the origins: both muscles' lengths together", _FILE, "m", least=1e-5, below=20
     ),
 }
 SIZES: Mapping[str, Parameter] = {
-    "F_max": Parameter(math.nan, "largest isometric force", _FILE, "N", above=0),
-    "optimal_fibre_length": Parameter(math.nan, "fibre length of the largest force", _FILE, "m", above=0, below=10),
-    "tendon_slack_length": Parameter(math.nan, "length below which the tendon is slack", _FILE, "m", above=0, below=10),
+    "F_max": Parameter(math.nan, "largest isometric force", _FILE, "N", least=1e-6, most=1e7),
+    "optimal_fibre_length": Parameter(math.nan, "fibre length of the largest force", _FILE, "m", least=1e-5, below=10),
+    "tendon_slack_length": Parameter(
+        math.nan, "length below which the tendon is slack", _FILE, "m", least=1e-6, below=10
+    ),
     "v_max": Parameter(
-        math.nan, "largest shortening velocity, in optimal fibre lengths per second", _FILE, "1/s", above=0, below=1000
+        math.nan,
+        "largest shortening velocity, in optimal fibre lengths per second",
+        _FILE,
+        "1/s",
+        least=0.01,
+        below=1000,
     ),
 }
 _BOTH = "muscle"
@@ -41,7 +49,10 @@ SCALED = ("L_slack", "F_max", "l_opt", "v_max")
 
 @dataclass(frozen=True)
 class Muscle:
-    """F_max N, lengths m, v_max in own optimal fibre lengths per second; `numbers` are those of the curve set."""
+    """F_max N, lengths m, v_max in own optimal fibre lengths per second; `numbers` are those of the curve set.
+
+    ScenarioError for what is no number, or beyond the ranges of docs/recordings.md.
+    """
 
     curves: CurveSet
     F_max: float
@@ -49,6 +60,16 @@ class Muscle:
     tendon_slack_length: float
     v_max: float
     numbers: Mapping[str, float]
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.curves, CurveSet):
+            raise ScenarioError(f"curves must be those of a muscle file, not {shown(self.curves)}")
+        given, known = table("numbers", self.numbers), _numbers_of(self.curves)
+        if sorted(given) != sorted(known):
+            raise ScenarioError(f"numbers must be {', '.join(known)}, not {', '.join(map(shown, given))}")
+        for key, parameter in SIZES.items():
+            object.__setattr__(self, key, within(key, getattr(self, key), parameter))
+        object.__setattr__(self, "numbers", {key: within(key, given[key], known[key]) for key in known})
 
 
 @dataclass(frozen=True)
@@ -60,6 +81,19 @@ class MusclePair:
     muscle1: Muscle
     muscle2: Muscle
     description: str = ""
+
+    def __post_init__(self) -> None:
+        for key, parameter in PAIR.items():
+            object.__setattr__(self, key, within(key, getattr(self, key), parameter))
+        for name in MUSCLES:
+            if not isinstance(getattr(self, name), Muscle):
+                raise ScenarioError(f"{name} must be a Muscle, not {shown(getattr(self, name))}")
+        text("description", self.description)
+        slack = self.muscle1.tendon_slack_length + self.muscle2.tendon_slack_length
+        if self.C <= slack:
+            raise ScenarioError(
+                f"C = {self.C:g} must be above both tendon slack lengths together, {slack:g}: fibres need room"
+            )
 
     @property
     def curves(self) -> Curves:
@@ -80,16 +114,13 @@ def read_muscles(path: str | Path) -> MusclePair:
         raise ScenarioError(f"{path}: {error}") from error
 
 
-def muscle_pair(content: Mapping[str, object], folder: Path = Path()) -> MusclePair:
+def muscle_pair(content: Mapping[str, object], folder: Path | None = Path()) -> MusclePair:
     """The muscles of a TOML document: mass, C, [muscle1], [muscle2], or [muscle] for both. ScenarioError as above.
 
-    folder: where files of curves are looked for.
+    folder: where files of curves are looked for; None if there must be none.
     """
     sections = {name: _section(content, name) for name in (_BOTH, *MUSCLES)}
     _refuse_unknown(content, [*PAIR, "description", *sections], "")
-    description = content.get("description", "")
-    if not isinstance(description, str):
-        raise ScenarioError(f"description must be a text, not {shown(description)}")
     # key → value and path, those of one muscle before those of both
     given = {
         name: {key: (value, f"{place}.{key}") for place in (_BOTH, name) for key, value in sections[place].items()}
@@ -105,9 +136,7 @@ def muscle_pair(content: Mapping[str, object], folder: Path = Path()) -> MuscleP
         raise ScenarioError(f"{', '.join(missing)} {'is' if len(missing) == 1 else 'are'} missing")
     mass, C = (within(key, content[key], parameter) for key, parameter in PAIR.items())
     muscle1, muscle2 = (_muscle(curves[name], given[name]) for name in MUSCLES)
-    pair = MusclePair(mass, C, muscle1, muscle2, description)
-    _check_together(pair)
-    return pair
+    return MusclePair(mass, C, muscle1, muscle2, text("description", content.get("description", "")))
 
 
 def muscle_file(pair: MusclePair) -> dict[str, object]:
@@ -138,7 +167,7 @@ def _refuse_unknown(given: Iterable[str], known: list[str], prefix: str) -> None
             )
 
 
-def _curves(muscle: str, given: Mapping[str, tuple[object, str]], folder: Path) -> CurveSet:
+def _curves(muscle: str, given: Mapping[str, tuple[object, str]], folder: Path | None) -> CurveSet:
     # the printed toe jumps: no muscle has it
     names = [name for name in CURVES if name != NGUYEN2019_PRINTED.name]
     if "curves" not in given:
@@ -147,7 +176,7 @@ def _curves(muscle: str, given: Mapping[str, tuple[object, str]], folder: Path) 
     try:
         if isinstance(value, dict):
             return tabulated_curves(value)
-        if isinstance(value, str) and value.endswith(SUFFIX):
+        if isinstance(value, str) and value.endswith(SUFFIX) and folder is not None:
             return read_curves(folder / value)
     except ScenarioError as error:
         raise ScenarioError(f"{path}: {error}") from error
@@ -174,11 +203,3 @@ def _muscle(curves: CurveSet, given: Mapping[str, tuple[object, str]]) -> Muscle
             for key, parameter in _numbers_of(curves).items()
         },
     )
-
-
-def _check_together(pair: MusclePair) -> None:
-    slack = pair.muscle1.tendon_slack_length + pair.muscle2.tendon_slack_length
-    if pair.C <= slack:
-        raise ScenarioError(
-            f"C = {pair.C:g} must be above both tendon slack lengths together, {slack:g}: fibres need room"
-        )

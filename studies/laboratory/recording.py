@@ -10,16 +10,19 @@ from pathlib import Path
 import numpy as np
 
 from ...model.arrays import Array
-from ..files.errors import RecordingError
+from ..files.errors import RecordingError, ScenarioError
+from ..files.numbers import samples
 from ..files.progress import Progress, unseen
-from ..files.quote import ranges
+from ..files.quote import escaped, ranges, shown, table, text
 from .cells import Cells, Rows
-from .columns import REQUIRED, choose
+from .columns import COLUMNS, REQUIRED, choose
 from .header import read_header
 from .lines import blocks, text_of
-from .samples import Samples
+from .samples import MOST_NUMBERS, Samples
 
 _OPENSIM = (".sto", ".mot")
+# those of every recording, and the rows they come from
+_COLUMNS = ("time", *REQUIRED)
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,6 +32,7 @@ class Recording:
     time s, position m, force_1 and force_2 N: float64 (n,), NaN where there is a gap. true: further known columns by
     name. rows: the row of the file each sample comes from, counted from 1. repeated: rows left out because they
     repeat the row before. remarks: what else to know, in sentences. mapping: which columns of the file were named.
+    RecordingError if columns are no arrays of numbers of one length, or time does not rise.
     """
 
     source: str
@@ -41,6 +45,24 @@ class Recording:
     repeated: Rows = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     remarks: tuple[str, ...] = ()
     mapping: Mapping[str, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        try:
+            object.__setattr__(self, "source", text("source", self.source))
+            columns = {name: samples(name, getattr(self, name), MOST_NUMBERS) for name in _COLUMNS}
+            true = {name: samples(name, values, MOST_NUMBERS) for name, values in table("true", self.true).items()}
+        except ScenarioError as error:
+            raise RecordingError(str(error)) from error
+        for name, values in {**columns, **true}.items():
+            if len(values) != len(columns["time"]):
+                raise RecordingError(f"{name} has {len(values):,} values, and time {len(columns['time']):,}")
+        if not (np.isfinite(columns["time"]).all() and (np.diff(columns["time"]) > 0).all()):
+            raise RecordingError("time must rise strictly from sample to sample")
+        if unknown := [name for name in true if name not in COLUMNS]:
+            raise RecordingError(f"{shown(unknown[0])} is no column of a recording; there are {', '.join(COLUMNS)}")
+        object.__setattr__(self, "true", true)
+        for name in _COLUMNS:
+            object.__setattr__(self, name, columns[name])
 
     def __len__(self) -> int:
         return len(self.time)
@@ -93,7 +115,7 @@ def _read(path: Path, mapping: Mapping[str, str], progress: Progress) -> Recordi
     known = {column.name: column.unit.to_SI(samples.column(i)) for i, column in enumerate(columns)}
     inputs = _inputs(known, mapping)
     return Recording(
-        path.name,
+        escaped(path.name),
         known.pop("time"),
         **inputs,
         true=known,

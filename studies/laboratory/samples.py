@@ -9,7 +9,7 @@ from ..files.errors import RecordingError
 from .cells import Rows
 
 # an hour at 1 kHz with all known columns is 75 million numbers; these are 2 GB
-_MOST_NUMBERS = 250_000_000
+MOST_NUMBERS = 250_000_000
 
 
 class Samples:
@@ -29,8 +29,8 @@ class Samples:
         if not len(rows):
             return
         self._numbers += rows.size + values.size
-        if self._numbers > _MOST_NUMBERS:
-            raise RecordingError(f"holds more than {_MOST_NUMBERS:,} numbers; cut it into parts")
+        if self._numbers > MOST_NUMBERS:
+            raise RecordingError(f"holds more than {MOST_NUMBERS:,} numbers; cut it into parts")
         last_row, last_values = self._last or (rows[:1] - 1, np.full_like(values[:1], -np.inf))
         numbers, lines = np.concatenate([last_values, values]), np.concatenate([last_row, rows])
         steps = np.diff(numbers[:, 0])

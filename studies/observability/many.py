@@ -54,8 +54,9 @@ def rank_and_conditioning(
     when the worst combination of coordinates changes by its typical size.
     """
     sizes = [question.sizes[name] for name in question.coordinates]
-    values = np.linalg.svd(np.nan_to_num(stack * sizes), compute_uv=False)
-    return ranks_of(stack, sizes, len(question.sensors), tolerance), np.asarray(values[:, -1])
+    ranks = ranks_of(stack, sizes, len(question.sensors), tolerance)
+    values = np.linalg.svd(np.where(ranks[:, None, None] >= 0, stack, 0.0) * sizes, compute_uv=False)
+    return ranks, np.asarray(values[:, -1])
 
 
 def determinant(question: Question, points: Mapping[str, Array]) -> Array:

@@ -15,7 +15,8 @@ from ...model.signals.pulses import PULSES
 from ...model.symbols import MUSCLES
 from ...observers.observability import TOLERANCE, Verdict, judge
 from ..files.errors import ScenarioError
-from ..files.quote import shown
+from ..files.numbers import number
+from ..files.quote import shown, table
 from ..scenarios.layers import Value
 from ..scenarios.prepare import Prepared, prepare
 from .information import deviations
@@ -59,9 +60,10 @@ def observability(
     prepared = prepare(source, None, changes or {})
     question = pose(prepared, sensors, unknown, order)
     valid = [*question.block.x, *question.block.u]
-    if wrong := [name for name in place or {} if name not in valid]:
+    coordinates = {name: number(shown(name), value) for name, value in table("place", place or {}).items()}
+    if wrong := [name for name in coordinates if name not in valid]:
         raise ScenarioError(f"no coordinate {shown(wrong[0])}; there are {', '.join(valid)}")
-    return answer(question, start_point(prepared) | dict(place or {}))
+    return answer(question, start_point(prepared) | coordinates)
 
 
 def start_point(prepared: Prepared) -> dict[str, float]:

@@ -20,6 +20,7 @@ from ...observers.observability import (
     structural_rank,
 )
 from ..files.errors import ScenarioError
+from ..files.numbers import whole
 from ..files.quote import shown
 from ..scenarios.prepare import Prepared
 
@@ -102,12 +103,10 @@ def pose(
             raise ScenarioError(f"unknown sensor {shown(name)}; there are {', '.join(SENSORS)}")
     if unknown not in UNKNOWNS:
         raise ScenarioError(f"unknown inputs {shown(unknown)}; there are {', '.join(UNKNOWNS)}")
-    if not 0 <= derivatives <= _HIGHEST:
-        raise ScenarioError(f"the derivatives of the unknowns must be from 0 to {_HIGHEST}, not {derivatives}")
+    derivatives = whole("the derivatives of the unknowns", derivatives, 0, _HIGHEST)
     block = _plant(unknown, prepared.scenario.curves, derivatives)
-    order = min(len(block.x) - 1, _HIGHEST) if order is None else order
-    if not 0 <= order <= _HIGHEST:
-        raise ScenarioError(f"the order of the Lie derivatives must be from 0 to {_HIGHEST}, not {order}")
+    usual = min(len(block.x) - 1, _HIGHEST)
+    order = usual if order is None else whole("the order of the Lie derivatives", order, 0, _HIGHEST)
     outputs = tuple(SENSORS[name].output for name in dict.fromkeys(sensors))
     matrix, rank = _matrix(block, outputs, order)
     period = prepared.value("noise.period") or _PERIOD

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import functools
-import re
 import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -12,7 +11,7 @@ from importlib import resources
 from pathlib import Path
 
 from ..files.errors import ScenarioError, TomlError
-from ..files.quote import short, shown
+from ..files.quote import short, shown, table, text
 from ..files.toml import read_toml
 
 _SHIPPED = "hillobs.studies.scenarios"
@@ -21,9 +20,6 @@ _ORDER = ("paper-clean", "paper-noisy", "challenge", "slack", "slack-deep", "act
 # the key of a file that names the shipped scenario below it
 _BASE = "base"
 _DEEPEST = 8
-
-# what a result cannot carry: the end of a C string, and halves of characters
-_NO_TEXT = re.compile(r"[\0\ud800-\udfff]")
 
 Value = float | str | bool
 
@@ -57,7 +53,7 @@ def layers(source: str | Path, changes: Mapping[str, Value]) -> tuple[str, list[
 
     ScenarioError if there is no such scenario, or the file cannot be read.
     """
-    name, top = str(source), Layer("", changes)
+    name, top = str(source), Layer("", table("changes", changes))
     if name in shipped():
         return name, [_shipped_layer(name), top]
     path = Path(name)
@@ -81,15 +77,6 @@ def layer(origin: str, content: Mapping[str, object]) -> Layer:
     with flat.blamed():
         leaves |= _leaves(content)
     return flat
-
-
-def text(path: str, value: object) -> str:
-    """`value` as a text that a result can carry. ScenarioError names `path` if it is none."""
-    if not isinstance(value, str):
-        raise ScenarioError(f"{path} must be a text, not {shown(value)}")
-    if _NO_TEXT.search(value):
-        raise ScenarioError(f"{path} must be a text of whole characters without \\0, not {shown(value)}")
-    return value
 
 
 def _shipped_layer(name: str) -> Layer:

@@ -5,18 +5,17 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from numbers import Integral
 
 from ...model.curves import CURVES, SIMULATED, Curves
 from ...model.pair import DRIVES
 from ...model.symbols import MUSCLES
 from ..files.errors import ScenarioError
 from ..files.numbers import parse_number, within
-from ..files.quote import shown
-from .layers import Layer, Value, text
+from ..files.numbers import seed as checked_seed
+from ..files.quote import shown, text
+from .layers import Layer, Value
 from .paths import Paths
 
-_LARGEST_SEED = 2**64 - 1
 _WHOLE = re.compile(r"[+-]?\d{1,20}", re.ASCII)
 
 Numbers = Mapping[str, float]
@@ -82,12 +81,10 @@ def scenario(name: str, layers: Sequence[Layer], paths: Paths) -> Scenario:
         with layer.blamed():
             numbers: dict[str, float] = {}
             for path, value in layer.leaves.items():
-                if not isinstance(path, str):
-                    raise ScenarioError(f"a path must be a text such as plant.m, not {shown(path)}")
                 if path == "description":
                     description = text(path, value)
                 elif path == "seed":
-                    seed = _seed(value)
+                    seed = checked_seed(path, value)
                 elif path not in VALID_CHOICES and not _is_empty_section(path, value, paths):
                     numbers[path] = checked_number(path, value, paths)
             given |= paths.spread(numbers)
@@ -112,7 +109,7 @@ def checked_number(path: str, value: object, paths: Paths) -> float:
 
 
 def _is_empty_section(path: str, value: object, paths: Paths) -> bool:
-    return value == {} and paths.is_section(path)
+    return isinstance(value, dict) and not value and paths.is_section(path)
 
 
 def _choice(path: str, value: object) -> str:
@@ -120,13 +117,6 @@ def _choice(path: str, value: object) -> str:
     if not isinstance(value, str) or value not in valid:
         raise ScenarioError(f"{path} must be one of {', '.join(valid)}, not {shown(value)}")
     return value
-
-
-def _seed(value: object) -> int:
-    whole = int(value) if isinstance(value, Integral) and not isinstance(value, bool) else -1
-    if not 0 <= whole <= _LARGEST_SEED:
-        raise ScenarioError(f"seed must be a whole number from 0 to 2⁶⁴ − 1, not {shown(value)}")
-    return whole
 
 
 def _whole(typed: str) -> Value:

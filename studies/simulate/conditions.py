@@ -13,6 +13,9 @@ from ...observers import OBSERVERS
 from ...observers.conditions import FACTS, Checked, Condition, check
 from ..scenarios.prepare import Prepared
 
+# the paper's choice of gains is for |Δ_Φ| < f⁺, and takes this p of [lambda11]
+_F_PLUS, _P = 1.0, 0.5
+
 
 def gain_conditions(prepared: Prepared, truth: Trace) -> dict[str, list[Checked]]:
     """The gain conditions of each registered observer, with suprema from the recorded truth."""
@@ -37,6 +40,8 @@ def facts(prepared: Prepared, truth: Trace) -> dict[str, float]:
     return {
         "h": prepared.grid.h,
         "U_m": max(limit, largest),
+        "f_plus": _F_PLUS,
+        "p": _P,
         **{f"sup_d{name}": supremum(name) for name in ("Delta", "u1", "u2")},
     }
 

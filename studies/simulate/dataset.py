@@ -8,7 +8,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
-from ...codegen.batch import Failure, Trace
+from ...codegen.batch import Trace
+from ...codegen.failure import Failure
 from ...model.arrays import Array
 from ...model.symbols import MEASURED, QUANTITIES, SIGNALS, STATES, hat
 from ...observers.spread import SPREADS, sd
@@ -17,11 +18,18 @@ from ..scenarios.paths import RUN, block_paths
 from ..scenarios.prepare import BASELINE, Prepared
 from ..scenarios.scenario import CHOICES
 from .conditions import gain_conditions
+from .failures import observer_failure, plant_failure
 from .measures import SENTENCES, measures
+from .step_error import about_error, error_of, step_error
 
 
-def dataset(prepared: Prepared, traces: Mapping[str, Trace], library: str) -> xr.Dataset:
-    """The Dataset that `simulate` describes; `library` names the code that ran."""
+def dataset(
+    prepared: Prepared, traces: Mapping[str, Trace], halved: Mapping[str, Mapping[str, float]], library: str
+) -> xr.Dataset:
+    """The Dataset that `simulate` describes.
+
+    halved: the score of each estimator in the same run at half the step; library: names the code that ran.
+    """
     loop, grid = prepared.loop, prepared.grid
     truth, n = traces["truth"], grid.steps // grid.record + 1
     signal = dict(zip(loop.truth.y, truth.y.T, strict=True))
@@ -73,9 +81,13 @@ def dataset(prepared: Prepared, traces: Mapping[str, Trace], library: str) -> xr
         scores = {name: dict.fromkeys(sums, np.nan) for name, sums in scores.items()}
     blocks = {block.name: block for block in loop.observers}
     errors = {name: measures(sums, grid.of(blocks[name])) for name, sums in scores.items()}
+    finer = {name: measures(sums, grid.halved().of(blocks[name])) for name, sums in halved.items()}
     for measure, sentence in SENTENCES.items():
-        values = np.array([[errors[e][measure][q] for q in QUANTITIES] for e in estimators])
+        values, at_half = (
+            np.array([[of[e][measure][q] for q in QUANTITIES] for e in estimators]) for of in (errors, finer)
+        )
         data[measure] = (("estimator", "quantity"), values, about(sentence))
+        data[error_of(measure)] = (("estimator", "quantity"), step_error(values, at_half), about_error(measure))
     time = np.arange(n) * (grid.record * grid.h)
     coordinates = {
         "time": ("time", time, about("time τ")),
@@ -144,19 +156,7 @@ def _unused(prepared: Prepared) -> list[str]:
 
 
 def _explain(name: str, failure: Failure, violated: Sequence[str]) -> str:
-    """What failed, when, and the likely reason; `violated` names the gain conditions that do not hold."""
-    plant = name == "truth"
-    who, at = "the plant" if plant else name, f"at τ = {failure.time:g}"
-    if failure.group == "domain" and not plant:
-        return f"{who}: {failure.name}, which must stay positive, is not {at}"
-    if failure.group == "domain":
-        what = "fibre" if "L_C" in failure.name else "tendon"
-        if failure.time == 0:
-            return f"{who}: it starts outside its domain, the {what} length {failure.name} is not positive"
-        return f"{who}: the {what} length {failure.name} reached 0 {at}: the mass is pulled beyond what a muscle can be"
-    reason = "the step is likely too large for the gains, try a smaller one"
-    if plant:
-        reason = "the parameters or the reference ask for more than the muscles can give"
-    elif violated:
-        reason = f"gain conditions that do not hold: {', '.join(violated)}"
-    return f"{who}: {failure.name} is not a finite number {at}; {reason}"
+    if name == "truth":
+        return plant_failure(failure)
+    likely = "the step is likely too large for the gains, try a smaller one" if failure.time else "it starts there"
+    return observer_failure(name, failure, f"at τ = {failure.time:g}", violated if failure.time else (), likely)

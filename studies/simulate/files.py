@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 
 import xarray as xr
 
 from ...model.symbols import MEASURED, STATES, hat
-from ..files.errors import ResultError
 from ..files.netcdf import save_netcdf
 from ..files.tables import Series, csv_text, or_empty, write_csv
 from ..files.writing import write_whole
@@ -18,10 +17,14 @@ from .measures import SENTENCES
 _ESTIMATES = ("x1_hat", "x2_hat", "Delta_hat", "x3_hat", "u1_hat", "x4_hat", "u2_hat")
 
 
+def run_paths(folder: Path, stem: str) -> list[Path]:
+    """The files of the run that is called `stem`: NetCDF, time series, measures."""
+    return [folder / f"{stem}{ending}" for ending in (".nc", ".csv", "-measures.csv")]
+
+
 def save(dataset: xr.Dataset, folder: Path) -> list[Path]:
     """The Dataset as NetCDF, its time series and its measures as CSV; the paths written."""
-    stem = dataset.attrs["run"]
-    paths = [folder / f"{stem}{ending}" for ending in (".nc", ".csv", "-measures.csv")]
+    paths = run_paths(folder, dataset.attrs["run"])
     save_netcdf(dataset, paths[0])
     write_csv(paths[1], list(columns(dataset)))
     write_whole(paths[2], measures_csv(dataset).encode())
@@ -77,9 +80,3 @@ def _estimate(dataset: xr.Dataset, observer: str, name: str) -> xr.DataArray:
 
 def _series(name: str, array: xr.DataArray) -> Series:
     return Series(name, "1", array.values)
-
-
-def refuse_same_names(names: Sequence[str]) -> None:
-    """ResultError if two results would be written under one name."""
-    if double := sorted({name for name in names if names.count(name) > 1}):
-        raise ResultError(f"two scenarios are called {double[0]}: their results would overwrite each other")

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...model.arrays import Array
 from ..files.errors import ScenarioError
-from ..files.numbers import parse_number
+from ..files.numbers import number, numbers, parse_number, switch, typed_whole, whole
 from ..files.quote import shown
 
 DESIGNS = ("latin", "sobol")
@@ -27,12 +27,25 @@ _MOST_VALUES = 1_000_000
 
 @dataclass(frozen=True)
 class Range:
-    """From `low` to `high`, evenly spaced or evenly in the logarithm; `count` values, or 0 for a design to choose."""
+    """From `low` to `high`, evenly spaced or evenly in the logarithm; `count` values, or 0 for a design to choose.
+
+    ScenarioError for ends that are no finite numbers, and for a count beyond that of an axis.
+    """
 
     low: float
     high: float
     count: int = 0
     logarithmic: bool = False
+
+    def __post_init__(self) -> None:
+        checked = {
+            "low": number("low of a Range", self.low),
+            "high": number("high of a Range", self.high),
+            "count": whole("count of a Range", self.count, 0, _MOST_VALUES),
+            "logarithmic": switch("logarithmic of a Range", self.logarithmic),
+        }
+        for name, value in checked.items():
+            object.__setattr__(self, name, value)
 
     def at(self, share: Array) -> Array:
         """The values at shares of the way, 0 to 1."""
@@ -67,6 +80,11 @@ class Axes:
         return math.prod(self.shape)
 
     @property
+    def varied(self) -> list[str]:
+        """The paths with more than one value."""
+        return [path for path, values in zip(self.paths, self.values, strict=True) if len(np.unique(values)) > 1]
+
+    @property
     def dimensions(self) -> tuple[str, ...]:
         """Names of these dimensions."""
         return self.paths if self.kind == "grid" else ("point",) * bool(self.values)
@@ -89,6 +107,7 @@ def axes(over: Mapping[str, Values], kind: str = "grid", samples: int = 0) -> Ax
     if kind not in KINDS:
         raise ScenarioError(f"unknown kind of sweep {shown(kind)}; there are {', '.join(KINDS)}")
     paths = tuple(over)
+    samples = whole("samples", samples, 0)
     if kind in DESIGNS:
         return Axes(kind, paths, _design(over, kind, samples))
     values = tuple(_listed(path, given) for path, given in over.items())
@@ -106,20 +125,14 @@ def parse_axis(text: str) -> tuple[str, Values]:
     path, equals, spelled = text.partition("=")
     if not equals or not path or not spelled:
         raise ScenarioError(f"{shown(text)} is not PATH=VALUES, such as high_gain.eps_h=log:0.02:0.5:25")
-    shape, *numbers = spelled.split(":")
-    if not numbers:
+    shape, *ends = spelled.split(":")
+    if not ends:
         return path, [parse_number(path, value) for value in spelled.split(",")]
-    if shape not in _SHAPES or len(numbers) not in (2, 3):
+    if shape not in _SHAPES or len(ends) not in (2, 3):
         raise ScenarioError(f"{shown(text)}: a range is lin:LOW:HIGH:COUNT or log:LOW:HIGH:COUNT")
-    low, high = (parse_number(path, number) for number in numbers[:2])
-    count = _count(path, numbers[2]) if len(numbers) == 3 else 0
+    low, high = (parse_number(path, end) for end in ends[:2])
+    count = typed_whole(f"{path}: the number of values", ends[2], 1, _MOST_VALUES) if len(ends) == 3 else 0
     return path, Range(low, high, count, shape == "log")
-
-
-def _count(path: str, text: str) -> int:
-    if not text.isascii() or not text.isdigit() or not 1 <= int(text[:12]) <= _MOST_VALUES:
-        raise ScenarioError(f"{path}: the number of values must be 1 to {_MOST_VALUES:,}, not {shown(text)}")
-    return int(text)
 
 
 def _listed(path: str, given: Values) -> Array:
@@ -129,15 +142,7 @@ def _listed(path: str, given: Values) -> Array:
         if given.count < 1:
             raise ScenarioError(f"{path}: the range has no number of values; only a design can do without")
         return given.at(np.linspace(0, 1, given.count))
-    try:
-        values = np.atleast_1d(np.asarray(given, dtype=float))
-    except (TypeError, ValueError):
-        values = np.empty((0, 0))
-    if values.ndim != 1:
-        raise ScenarioError(f"{path}: the values must be numbers")
-    if not 1 <= len(values) <= _MOST_VALUES:
-        raise ScenarioError(f"{path}: there must be 1 to {_MOST_VALUES:,} values")
-    return values
+    return numbers(path, given, _MOST_VALUES)
 
 
 def _check(path: str, span: Range) -> None:

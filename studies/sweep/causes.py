@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...codegen.batch import Outcome
+from ...codegen.failure import watched
 from ...codegen.loop import Loop
 from ...model.block import Block
 
@@ -20,12 +21,12 @@ Causes = NDArray[np.int16]
 def causes(loop: Loop, observers: Sequence[str]) -> list[str]:
     """`none`, then each state, output and domain of the truth and the observers, every name once."""
     blocks = [loop.truth, *(block for block in loop.observers if block.name in observers)]
-    return list(dict.fromkeys([NONE, *(name for block in blocks for name in _watched(block))]))
+    return list(dict.fromkeys([NONE, *(name for block in blocks for _, name in watched(block))]))
 
 
 def cause_of(block: Block, outcome: Outcome, names: Sequence[str]) -> Causes:
     """(runs) the index in `names` of what failed in `block`; 0 if nothing did."""
-    indices = np.array([names.index(name) for name in _watched(block)], dtype=np.int16)
+    indices = np.array([names.index(name) for _, name in watched(block)], dtype=np.int16)
     return np.where(outcome.failed < 0, np.int16(0), indices[outcome.cause])
 
 
@@ -38,8 +39,3 @@ def flags(names: Sequence[str], sentence: str) -> dict[str, object]:
         "flag_values": np.arange(len(names), dtype=np.int16),
         "flag_meanings": meanings,
     }
-
-
-def _watched(block: Block) -> list[str]:
-    """What the kernel checks, in its order."""
-    return [*block.x, *block.y, *block.domain]

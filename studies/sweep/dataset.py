@@ -11,24 +11,41 @@ from ...codegen.batch import CompiledLoop, Trace
 from ..scenarios.prepare import Prepared
 from ..simulate.dataset import about, repeatable
 from ..simulate.measures import SENTENCES
+from ..simulate.step_error import about_error, error_of, step_error
 from .causes import causes, flags
 from .conditions import by_point, sentences, swept_conditions
 from .plan import Plan
 from .row import Rows
 
 
-def sweep_dataset(plan: Plan, rows: Rows, truth: Trace, identity: str, compiled: CompiledLoop) -> xr.Dataset:
+def sweep_dataset(
+    plan: Plan, rows: Rows, halved: Rows, truth: Trace, identity: str, compiled: CompiledLoop
+) -> xr.Dataset:
     """The fields of all rows with names; everything to repeat the sweep is in the attributes.
 
-    truth: the recorded run of the scenario itself, for the gain conditions; identity: hash of all that determines the
-    numbers; compiled: the code that ran.
+    halved: the rows of the plan's sample at half the step; truth: the recorded run of the scenario itself, for the gain
+    conditions; identity: hash of all that determines the numbers; compiled: the code that ran.
     """
     shape, dimensions = (*plan.axes.shape, len(plan.seeds)), (*plan.axes.dimensions, "seed")
     data = {
         name: ((*dimensions, *inner), rows[name].reshape(*shape, *rows[name].shape[1:]), attributes)
         for name, (inner, attributes) in _fields(plan).items()
     }
+    sample = plan.sample()
+    data |= {
+        error_of(measure): (
+            ("sampled", "observer", "quantity"),
+            step_error(rows[measure][sample], halved[measure]),
+            about_error(measure),
+        )
+        for measure in plan.measures
+    }
     coordinates: dict[str, object] = {
+        "sampled": (
+            "sampled",
+            sample,
+            {"long_name": f"run computed again at h/2, counted over {', '.join(dimensions)}"},
+        ),
         "seed": plan.seeds,
         "observer": list(plan.observers),
         "quantity": list(plan.quantities),

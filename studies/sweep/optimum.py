@@ -61,8 +61,7 @@ class Optimum:
 
 def varied(dataset: xr.Dataset) -> list[str]:
     """The swept parameters with more than one value."""
-    axes = axes_of(dataset)
-    return [path for path, values in zip(axes.paths, axes.values, strict=True) if len(np.unique(values)) > 1]
+    return axes_of(dataset).varied
 
 
 def depends(dataset: xr.Dataset, observer: str) -> bool:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...codegen.batch import CompiledLoop, Outcome
 from ...codegen.memory import Grid
@@ -20,9 +21,26 @@ from .row import Rows
 def compute_part(plan: Plan, compiled: CompiledLoop, part: int, progress: Progress = unseen) -> Rows:
     """(runs) the numbers of one part; what `progress` raises ends it."""
     runs = plan.members(part)
+    return _compute(plan, compiled, runs, plan.on_grids(runs), progress)
+
+
+def compute_at_half_step(plan: Plan, compiled: CompiledLoop, runs: NDArray[np.int64]) -> Rows:
+    """(runs) the numbers of some runs, with the same noise, at half the step."""
+    grids = ((grid.halved(), which) for grid, which in plan.on_grids(runs))
+    return _compute(plan, compiled, runs, grids, unseen)
+
+
+def _compute(
+    plan: Plan,
+    compiled: CompiledLoop,
+    runs: NDArray[np.int64],
+    grids: Iterable[tuple[Grid, NDArray[np.intp]]],
+    progress: Progress,
+) -> Rows:
+    """(runs) the numbers of some runs; grids: each with the places within `runs` that run on it."""
     parameters, seeds = plan.numbers(runs), plan.seeds_of(runs)
     rows = np.empty(len(runs), plan.row)
-    for grid, which in plan.on_grids(runs):
+    for grid, which in grids:
         chosen = {name: numbers[which] for name, numbers in parameters.items()}
         rows[which] = run_points(plan, compiled, grid, seeds[which], chosen, progress)
     return rows

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 Rows = NDArray[np.void]
 
 # counts up when fields change or mean something else, so that parts of an older layout are not read
-LAYOUT = 4
+LAYOUT = 5
 
 
 def row_of(observers: Sequence[str], quantities: Sequence[str], measures: Sequence[str]) -> np.dtype[np.void]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -16,20 +17,23 @@ from ...model.block import Block
 from ...model.symbols import QUANTITIES
 from ...observers.score import MEASURES
 from ..files.errors import ResultError, ScenarioError
-from ..files.netcdf import LARGEST_RESULT, load, save_netcdf
+from ..files.netcdf import LARGEST_RESULT, load, netcdf
+from ..files.numbers import whole
 from ..files.progress import CountedProgress, unseen
+from ..files.reading import cause
 from ..scenarios.layers import Value
 from ..simulate.run import recorded
 from .axes import Values
 from .cluster.client import on_cluster
-from .computing import Compute, on_threads
+from .computing import Compute, SweepWarning, on_threads
 from .dataset import sweep_dataset
 from .parts import Parts
 from .plan import Plan, plan
+from .points import compute_at_half_step
+from .schema import check_sweep
 
-
-class SweepWarning(UserWarning):
-    """Something about a sweep that is mended, and should be known."""
+# no machine has so many cores
+_MOST_WORKERS = 10_000
 
 
 def sweep(
@@ -64,18 +68,22 @@ def sweep(
 
     The Dataset has rmse, peak, settling, chattering (…, seed, observer, quantity), failed_at (…, seed, observer) and
     plant_failed_at (…, seed): the time of a failure or NaN; after one, measures are NaN. failure and plant_failure say
-    what failed, as an index into the attribute flag_meanings; 0 is none. Everything is dimensionless.
+    what failed, as an index into the attribute flag_meanings; 0 is none. Of the runs `sampled`, spread evenly, it has
+    the `…_step_error` of each measure (sampled, observer, quantity), as `simulate` has. Everything is dimensionless.
     ScenarioError for what cannot be run, ResultError for `out`, BuildError if nothing can be compiled, ClusterError for
     a cluster that is not there, lost, or of other code.
     """
     checked = plan(source, over or {}, seeds, observers, changes, kind, samples, quantities, measures)
     with engine(workers, cluster) as (compute, usual):
-        return sweep_planned(checked, None if out is None else Path(out), compute, target or usual, progress or unseen)
+        chosen = usual if target is None else target
+        return sweep_planned(checked, None if out is None else Path(out), compute, chosen, progress or unseen)
 
 
 @contextlib.contextmanager
 def engine(workers: int | None, cluster: str | None) -> Iterator[tuple[Compute, str]]:
     """What computes parts, here or on a cluster, and the target that goes with it."""
+    if workers is not None:
+        workers = whole("workers", workers, 1, _MOST_WORKERS)
     if cluster is None:
         yield on_threads(workers), NATIVE
         return
@@ -89,24 +97,26 @@ def sweep_planned(
     """Run what `plan` has checked, keeping parts and result at `out` if it is given."""
     if (size := plan.runs * plan.row.itemsize) > LARGEST_RESULT:
         raise ScenarioError(f"{plan.runs:,} runs make a result of {size / 1e9:.0f} GB; cut the sweep into several")
-    compiled = compile_loop(plan.prepared.loop, target)
-    identity = plan.identity(compiled.path.stem)
     if out is not None and (not out.name or out.is_dir()):
         raise ResultError(f"{str(out)!r} is no name for a result: it must be that of a file")
+    # what is there and no result is refused before anything is compiled
+    earlier = None if out is None else _earlier(out)
+    compiled = compile_loop(plan.prepared.loop, target)
+    identity = plan.identity(compiled.path.stem)
     if out is None:
         return _computed(plan, compiled, identity, compute, progress)
     parts = Parts(out, identity, plan.description(compiled.path.stem), plan.row)
-    if _is_there(out):
-        result = _complete(out, identity, plan, progress)
+    if earlier is not None:
+        _check_complete(earlier, out, identity, plan, progress)
         parts.remove_left()
-        return result
+        return earlier
     with parts:
-        if _is_there(out):  # finished by another process just now
+        if (finished := _earlier(out)) is not None:  # by another process just now
+            _check_complete(finished, out, identity, plan, progress)
             parts.remove()
-            return _complete(out, identity, plan, progress)
+            return finished
         result = _computed(plan, compiled, identity, compute, progress, parts)
-        save_netcdf(result, out, parts.folder)
-        parts.remove()
+        parts.finish(netcdf(result))
         return result
 
 
@@ -138,21 +148,30 @@ def _computed(
                 parts.write(part, fresh)
             done += len(fresh)
             progress(done, plan.runs)
+    halved = compute_at_half_step(plan, compiled, plan.sample())
     truth = recorded(plan.prepared, compiled)[compiled.loop.truth.name]
-    return sweep_dataset(plan, rows, truth, identity, compiled)
+    return sweep_dataset(plan, rows, halved, truth, identity, compiled)
 
 
-def _is_there(out: Path) -> bool:
+def _earlier(out: Path) -> xr.Dataset | None:
+    """The result that is there already. ResultError if something else is, or another user's: nobody speaks for us."""
     try:
-        return out.exists()
-    except OSError as error:
-        raise ResultError(f"{out} cannot be read: {error.strerror}") from error
+        owner = out.lstat().st_uid
+    except FileNotFoundError:
+        return None
+    except (OSError, ValueError) as error:
+        raise ResultError(f"{out} cannot be read: {cause(error)}") from error
+    if owner != os.geteuid():
+        raise ResultError(f"{out} is there already, of another user; name another --out")
+    return load(out)
 
 
-def _complete(out: Path, identity: str, plan: Plan, progress: CountedProgress) -> xr.Dataset:
-    """The result that is there already, if it is that of this sweep."""
-    result = load(out)
+def _check_complete(result: xr.Dataset, out: Path, identity: str, plan: Plan, progress: CountedProgress) -> None:
+    """ResultError if what is there is not the result of this sweep."""
     if result.attrs.get("identity") != identity:
         raise ResultError(f"{out} is there already, and is the result of something else; name another --out")
+    try:
+        check_sweep(result)
+    except ResultError as error:
+        raise ResultError(f"{out} is there already, and cannot be used: {error}") from error
     progress(plan.runs, plan.runs)
-    return result

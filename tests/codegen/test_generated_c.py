@@ -88,6 +88,7 @@ template <class B> static void make(List<B>, Part *part, const double *const *p,
     part->p = filled(B::NP, *p);
     part->c = numbers(B::NC);
     part->x = numbers(B::NX);
+    part->scales = numbers(B::NX + B::NY);
     part->sums = numbers(Score::NX);
     part->guards = numbers(B::N_GUARDS);
     part->record_x = (double *)calloc(B::NX * points, sizeof(double));

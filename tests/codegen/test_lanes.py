@@ -121,6 +121,18 @@ def test_every_lane_agrees_with_the_scalar_library(target: str) -> None:
         np.testing.assert_allclose(runs[0][name].x, runs[1][name].x, rtol=0, atol=1e-11)
 
 
+@pytest.mark.parametrize(("scenario", "duration"), [("slack", 8.0), ("slack-deep", 6.0)])
+def test_so_does_a_tendon_that_goes_taut_again(scenario: str, duration: float, target: str) -> None:
+    """A last bit of a length, 4e−16, grows by 100 at most; that is 2e−10 of û (STEEPEST), whose errors exceed 1e−3."""
+    prepared = prepare(scenario, None, {"duration": duration})
+    seeds, numbers = np.arange(3), numbers_of(prepared)
+    lanes, scalar = compile_loop(prepared.loop, target), CompiledLoop(prepared.loop, "scalar")
+    one, other = (c.batch(prepared.grid, seeds, numbers, prepared.observers) for c in (lanes, scalar))
+    squares = [i for i, name in enumerate(prepared.loop.score.x) if name.endswith("squares")]
+    for observer in prepared.observers:
+        np.testing.assert_allclose(one[observer].sums[:, squares], other[observer].sums[:, squares], rtol=4e-7)
+
+
 # of a length about 2, where the quick inverse does not doubt itself: see test_quick_inverse.py
 LENGTH = 2e-15
 # from a length to û: at most the layer of a sliding mode, (k_max + η)/δ = 1,100; from there to â: at most 5

@@ -147,17 +147,17 @@ def test_a_tendon_is_masked_while_it_is_slack() -> None:
     dataset = simulate("slack", changes={"duration": 10.0})
     assert 1.995 < float(dataset.x.sel(state="x3").min()) < 2.0
     masked = dataset.masked.sel(estimator="high_gain")
-    assert float(masked.sel(quantity="x3")) == pytest.approx(0.4, abs=0.03)
-    assert float(masked.sel(quantity="a2")) == pytest.approx(0.97, abs=0.05)
+    assert float(masked.sel(quantity="x3")) == pytest.approx(0.4, abs=0.01)
+    assert float(masked.sel(quantity="a2")) == pytest.approx(0.92, abs=0.01)
     assert (masked.sel(quantity=["x1", "x2", "Delta"]) == 0).all()
 
 
 def test_deep_slack_is_as_deep_as_specified() -> None:
     dataset = simulate("slack-deep")
     lowest = dataset.x.min("time").values
-    np.testing.assert_allclose(lowest[2:], [1.953, 1.914], atol=2e-3)
+    np.testing.assert_allclose(lowest[2:], [1.954, 1.915], atol=2e-3)
     both = ((dataset.taut == 0).all("muscle")).sum() * 0.01
-    assert float(both) == pytest.approx(0.8, abs=0.05)
+    assert float(both) == pytest.approx(0.71, abs=0.02)
 
 
 def test_one_library_runs_everything_and_a_second_run_compiles_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -180,7 +180,7 @@ def test_progress_slices_change_no_bit(monkeypatch: pytest.MonkeyPatch) -> None:
     whole = simulate_prepared(prepared, done.append)
     assert done == sorted(done)
     assert done[-1] == 1.0
-    assert len(done) == 3
+    assert len(done) == 3 + 6  # the run, and again at half the step
     shorter = simulate("paper-noisy", changes={"duration": 1.5, "score.start": 0.5})
     xr.testing.assert_identical(whole.x_hat.sel(time=slice(0, 1.5)).drop_vars("time"), shorter.x_hat.drop_vars("time"))
 

@@ -19,6 +19,7 @@ import sys
 import tempfile
 import threading
 import traceback
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -32,7 +33,7 @@ PARTS = 3
 # calls that Python reports, and what we report of those that it does not
 _COUNTED = {
     *("open", "os.mkdir", "os.rename", "os.remove", "os.rmdir", "os.chmod", "os.listdir", "os.scandir", "os.truncate"),
-    *("fcntl.flock", "tempfile.mkstemp", "fsync", "pwrite", "pread"),
+    *("fcntl.flock", "fsync", "pwrite", "pread"),
 }
 
 
@@ -64,7 +65,7 @@ class Forks:
         fault: an errno or a signal by name, or REMOVED for the parts, at the call `at` (counted from 1), or `ever`
         after, or `twice` at once. near: at the first call with that in its words instead. limits: resource → number.
         stdout, stderr: a file, `closed` or `broken`. gone: the folder is removed first.
-        deaf: signals that are ignored from the start.
+        deaf: signals that are ignored from the start. uid: as that user, who has a cache of libraries at `cache`.
         """
         asked = {"arguments": arguments, "folder": str(folder), **case}
         assert self._process.stdin
@@ -88,6 +89,8 @@ def _serve() -> None:
     from hillobs.studies.sweep import plan
 
     plan.PART = PART
+    # where files may not grow, Python leaves its own cut short in the checkout, and nothing starts any more
+    sys.dont_write_bytecode = True
     with tempfile.TemporaryDirectory() as folder, open(os.devnull, "w") as nowhere, contextlib.redirect_stdout(nowhere):
         cli.commands([*COMMAND, "--out", f"{folder}/warm.nc"], standalone_mode=False)
     gc.freeze()  # a collection in a fork would copy all memory
@@ -111,12 +114,22 @@ def _serve() -> None:
 
 def _command(case: dict, streams: dict[str, int]) -> int:
     """Run the command of a case to the end of its process; its exit code."""
-    from hillobs.studies.cli import main as cli
+    from hillobs import __main__ as start
 
+    start._LEAST = 1  # all is loaded: memory may end later, and less of it is enough
+
+    def command() -> None:
+        _become(case, streams)
+        start.main()
+
+    return exit_code(command)
+
+
+def exit_code(program: Callable[[], None]) -> int:
+    """Run a program to the end of its process, as Python would; its exit code, for `os._exit`."""
     code = 0
     try:
-        _become(case, streams)
-        cli.main()
+        program()
     except SystemExit as end:
         code = end.code if isinstance(end.code, int) else int(end.code is not None)
     except BaseException:
@@ -143,14 +156,25 @@ def _become(case: dict, streams: dict[str, int]) -> None:
         os.rmdir(case["folder"])
     os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
     for number, name in enumerate(("stdout", "stderr"), 1):
-        _redirect(number, name, case.get(name, ""), streams[name])
+        redirect(number, name, case.get(name, ""), streams[name])
     _tell(streams["report"], case)
+    if "uid" in case:
+        os.environ["HILLOBS_CACHE"] = case["cache"]
+        become_user(case["uid"])
     for name, number in case.get("limits", {}).items():
         kind = getattr(resource, name)
         resource.setrlimit(kind, (number, resource.getrlimit(kind)[1]))
 
 
-def _redirect(number: int, name: str, where: str, otherwise: int) -> None:
+def become_user(uid: int) -> None:
+    """Give up root for good, to be a user without a name."""
+    os.setgroups([])
+    os.setgid(uid)
+    os.setuid(uid)
+
+
+def redirect(number: int, name: str, where: str, otherwise: int) -> None:
+    """Let stdout or stderr of this process go to a file, be `closed` or `broken` (its reader is gone), or otherwise."""
     handle = otherwise
     if where == "broken":
         reader, handle = os.pipe()

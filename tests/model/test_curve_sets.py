@@ -25,7 +25,7 @@ from hillobs.studies.scenarios.prepare import prepare
 from hillobs.studies.scenarios.scenario import choices, curves_of
 from hillobs.studies.simulate.run import simulate
 from millard_tables import fine
-from places import DATA
+from places import DATA, contents
 
 NORMALISED = tuple(name for name in SIMULATED if name != "nguyen2019")
 # what stands in the registry, and one set that a user gave as tables
@@ -422,7 +422,7 @@ def test_a_bezier_curve_rises_and_its_inverse_finds_back(
 def test_every_set_is_drawn_and_listed(tmp_path: Path) -> None:
     ran = CliRunner().invoke(commands, ["curves", "--out", str(tmp_path)])
     assert ran.exit_code == 0, ran.output
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["curves-sets.pdf", "curves-sets.png"]
+    assert sorted(contents(tmp_path)) == ["curves-sets.pdf", "curves-sets.png"]
     figure = curve_figure()
     for axes in figure.axes:
         assert len(axes.lines) == len(SIMULATED)

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
+import itertools
 from pathlib import Path
 
-import click
-
-from ...figures.page import write_figures
+from ....observers import PAPER
+from ...figures.page import figure_paths, write_figures
 from ...figures.sweep.curves import curves
-from ...figures.sweep.figures import SHOWN, sweep_figures
+from ...figures.sweep.figures import SHOWN, save_sweep_figures, sweep_figure_paths
 from ...files.netcdf import save_netcdf
-from ...files.writing import writable_folder
-from ...sweep.axes import Range
+from ...files.writing import refuse_overwriting, writable_folder
+from ...sweep.axes import Range, axes
 from ...sweep.run import sweep
 from ..reports.sweep import notes, tables
-from ..terminal import print_table, user_errors
+from ..stopping import stoppable
+from ..terminal import print_table, say, user_errors
 
 _TRIO = {
     "high_gain.eps_h": Range(0.02, 0.5, 25, logarithmic=True),
@@ -29,29 +30,41 @@ _MAP = {
 }
 _MAP_SEEDS = 8
 _FOLDER = Path("results")
+_TRADE_OFF, _MAP_NAME = "trade-off", "sweep-eps_h-noise"
 
 
 def main() -> None:
     """Run the sweeps, write their results and figures, print the optima."""
     with user_errors():
         folder = writable_folder(_FOLDER)
+        map_paths = sweep_figure_paths(axes(_MAP), PAPER, folder, _MAP_NAME)
+        refuse_overwriting([*itertools.chain(*map(_paths, _TRIO)), _FOLDER / f"{_MAP_NAME}.nc", *map_paths])
         for path, values in _TRIO.items():
             clean = sweep("paper-clean", {path: values})
             noisy = sweep("paper-noisy", {path: values}, seeds=_SEEDS)
-            name = f"sweep-{path.rpartition('.')[2]}"
-            for dataset, suffix in ((clean, "clean"), (noisy, "noisy")):
-                save_netcdf(dataset, folder / f"{name}-{suffix}.nc")
-            write_figures({"trade-off": curves(noisy, SHOWN, clean)}, folder, name)
-            click.echo(f"{path}, {_SEEDS} seeds, with noise:")
-            for note in notes(noisy):
-                click.echo(note)
+            clean_path, noisy_path, *_ = _paths(path)
+            save_netcdf(clean, clean_path)
+            save_netcdf(noisy, noisy_path)
+            write_figures({_TRADE_OFF: curves(noisy, SHOWN, clean)}, folder, _name(path))
+            say(f"{path}, {_SEEDS} seeds, with noise:")
+            say(*notes(noisy))
             for table in tables(noisy):
                 print_table(table)
         dataset = sweep("paper-noisy", _MAP, seeds=_MAP_SEEDS)
-        save_netcdf(dataset, folder / "sweep-eps_h-noise.nc")
-        write_figures(sweep_figures(dataset)[0], folder, "sweep-eps_h-noise")
-        click.echo(f"written to {folder}/")
+        save_netcdf(dataset, folder / f"{_MAP_NAME}.nc")
+        save_sweep_figures(dataset, folder, _MAP_NAME)
+        say(f"written to {folder}/")
+
+
+def _paths(path: str) -> list[Path]:
+    """The files of the sweeps over one parameter: clean, noisy, and their figure."""
+    results = [_FOLDER / f"{_name(path)}-{suffix}.nc" for suffix in ("clean", "noisy")]
+    return [*results, *figure_paths(_FOLDER, _name(path), [_TRADE_OFF])]
+
+
+def _name(path: str) -> str:
+    return f"sweep-{path.rpartition('.')[2]}"
 
 
 if __name__ == "__main__":
-    main()
+    stoppable(main)

@@ -15,6 +15,7 @@ from ....model.arrays import Array
 from ....model.skeleton import pull
 from ....observers import label
 from ...estimate.scores import BOTH, SETTLED, Score
+from .conditions import violated_conditions
 from .number import counted, number
 
 # a table in the units that muscles have
@@ -71,15 +72,12 @@ def notes(dataset: xr.Dataset) -> Iterator[str]:
             ):
                 if (active := of[what].sel(muscle=j).values > 0).any():
                     yield f"  {sentence} {_episodes(time, active)}"
+    yield from violated_conditions(dataset)
 
 
 def failures(dataset: xr.Dataset) -> Iterator[str]:
-    """A sentence per observer whose numbers end."""
-    for name in dataset.observer.values.tolist():
-        lost = ~np.isfinite(dataset.velocity_hat.sel(observer=name).values)
-        if lost.any():
-            at = float(dataset.time[lost.argmax()])
-            yield f"{name}: its numbers end at {at:.4g} s: gains too fast or unstable, or data too wild"
+    """A sentence per observer that fails."""
+    yield from json.loads(dataset.attrs["failures"]).values()
 
 
 def timing(dataset: xr.Dataset, reading: float, building: float, following: float) -> str:

@@ -12,7 +12,6 @@ from ....codegen.toolchain import find_compiler
 from ....model.curves import CURVES
 from ....observers import OBSERVERS
 from ...files.pages import documentation
-from ...files.quote import escaped
 from ...files.versions import versions
 from ...scenarios.layers import shipped
 from ...scenarios.loops import all_paths
@@ -53,8 +52,8 @@ def sources() -> Iterator[str]:
     """The lines of `hillobs info --source`: each generated file, and what it is."""
     kept = kept_sources()
     for path, sentence in kept.items():
-        yield escaped(str(path))
-        yield f"    {escaped(sentence)}"
+        yield str(path)
+        yield f"    {sentence}"
     if not kept:
         yield "nothing is compiled yet"
 

@@ -60,6 +60,8 @@ def details(answer: Answer, tolerance: float) -> Iterator[str]:
         sides = f"rank {below} below, {above} above" if below != above else f"rank {below} on both sides"
         where = f"{name} = {answer.point[name]:.6g}"
         yield f"warning: the derivatives jump at {where} ({sides}); the lower one is shown"
+    if any(math.isnan(deviation) for deviation in answer.deviations.values()):
+        yield "σ is unknown: the motion from here is too fast, or grows too large, to be computed"
     later = [name for name in verdict.unobservable if math.isfinite(answer.deviations[name])]
     if later:
         yield f"{', '.join(later)}: not here, but the motion makes it known within 1 time unit"

@@ -11,7 +11,10 @@ from rich.text import Text
 
 from ....model.symbols import QUANTITIES
 from ....observers import label
-from .number import number
+from ...scenarios.prepare import BASELINE
+from ...simulate.step_error import SHOWN_FROM, error_of, relative
+from .conditions import violated_conditions
+from .number import number, percent
 
 _TITLES = {
     "rmse": "root mean square error over [{start:g}, {end:g}]",
@@ -20,6 +23,7 @@ _TITLES = {
     "chattering": "mean change from sample to sample over [{start:g}, {end:g}]",
 }
 _WORSE = "*"
+_BY_STEP = "  ± step"
 
 
 def tables(dataset: xr.Dataset) -> Iterator[tuple[str, Table]]:
@@ -34,16 +38,19 @@ def tables(dataset: xr.Dataset) -> Iterator[tuple[str, Table]]:
         shown = [q for q in QUANTITIES if defined.sel(quantity=q).notnull().any() or key == "rmse"]
         for quantity in shown:
             table.add_column(quantity, justify="right", no_wrap=True)
-        for estimator in dataset.estimator.values.tolist():
-            if key == "rmse" or estimator != "baseline":
-                cells = [_cell(dataset, key, estimator, quantity) for quantity in shown]
-                table.add_row(Text(label(estimator)), *cells)
+        for estimator in _rows(dataset, key):
+            cells = [_cell(dataset, key, estimator, quantity) for quantity in shown]
+            table.add_row(Text(label(estimator)), *cells)
+            errors = [_step_error(dataset, key, estimator, quantity) for quantity in shown]
+            if any(error >= SHOWN_FROM for error in errors):
+                table.add_row(_BY_STEP, *(percent(error) if error >= SHOWN_FROM else "" for error in errors))
         if shown:
             yield title.format(start=start, end=end), table
 
 
 def notes(dataset: xr.Dataset) -> Iterator[str]:
-    """Sentences below the tables: what the marks mean, masked time, guards, gain conditions, failures."""
+    """Sentences below the tables: what the step and the marks mean, masked time, guards, gain conditions."""
+    yield from _step_notes(dataset)
     if _any_worse(dataset):
         yield f"{_WORSE} worse than the baseline: raw outputs, a constant Δ, zero velocity and zero inputs"
     masked = dataset.masked.sel(estimator="baseline")
@@ -64,9 +71,7 @@ def notes(dataset: xr.Dataset) -> Iterator[str]:
         yield f"limits active in {where} (time): {active}"
         if any("infeasible" in guard for guard in times):
             yield "  infeasible: the inputs ask for an activation outside [0, 1]; estimates are limited to it"
-    for name, conditions in json.loads(dataset.attrs["violated_conditions"]).items():
-        for condition in conditions:
-            yield f"gain condition of {label(name)}: {condition}"
+    yield from violated_conditions(dataset)
 
 
 def failures(dataset: xr.Dataset) -> list[str]:
@@ -74,10 +79,36 @@ def failures(dataset: xr.Dataset) -> list[str]:
     return list(json.loads(dataset.attrs["failures"]).values())
 
 
+def _rows(dataset: xr.Dataset, key: str) -> list[str]:
+    """Whose measures the table of `key` has; a baseline has errors, and nothing that settles or chatters."""
+    estimators: list[str] = dataset.estimator.values.tolist()
+    return [name for name in estimators if key == "rmse" or name != BASELINE]
+
+
 def _cell(dataset: xr.Dataset, key: str, estimator: str, quantity: str) -> Text:
     value = float(dataset[key].sel(estimator=estimator, quantity=quantity))
     worse = key == "rmse" and _worse(dataset, estimator, quantity)
     return Text(number(value) + (_WORSE if worse else ""), style="red" if worse else "")
+
+
+def _step_error(dataset: xr.Dataset, key: str, estimator: str, quantity: str) -> float:
+    """The error that the step makes as a fraction of the measure; NaN where there is no measure."""
+    measure, error = (float(dataset[name].sel(estimator=estimator, quantity=quantity)) for name in (key, error_of(key)))
+    return float(relative(error, measure))
+
+
+def _step_notes(dataset: xr.Dataset) -> Iterator[str]:
+    """How good the step is, and what the rows of it mean."""
+    step = json.loads(dataset.attrs["parameters"])["step"]
+    errors = {
+        key: {(who, q): _step_error(dataset, key, who, q) for who in _rows(dataset, key) for q in QUANTITIES}
+        for key in _TITLES
+    }
+    if known := {where: error for where, error in errors["rmse"].items() if error == error}:
+        (estimator, quantity), largest = max(known.items(), key=lambda item: item[1])
+        yield f"error of the step {step:g}: at most {percent(largest)} of an RMSE ({label(estimator)} {quantity})"
+    if any(error >= SHOWN_FROM for each in errors.values() for error in each.values()):
+        yield f"{_BY_STEP}: that error as part of the number above it, from {percent(SHOWN_FROM)} on"
 
 
 def _worse(dataset: xr.Dataset, estimator: str, quantity: str) -> bool:

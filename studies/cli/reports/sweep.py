@@ -10,7 +10,9 @@ import xarray as xr
 from rich.table import Table
 from rich.text import Text
 
+from ....model.arrays import Array
 from ....observers import label
+from ...simulate.step_error import SHOWN_FROM, error_of, relative
 from ...sweep.optimum import (
     Optimum,
     at_scenario,
@@ -24,7 +26,7 @@ from ...sweep.optimum import (
     varied,
 )
 from ...sweep.region import where
-from .number import counted, number
+from .number import counted, number, percent
 
 _SHOWN = ("x2", "Delta", "u1", "u2", "a1", "a2")
 # characters of a word that a heading has room for
@@ -39,7 +41,7 @@ def tables(dataset: xr.Dataset) -> list[Table]:
     A sweep over seeds alone has neither: the medians.
     """
     if not varied(dataset):
-        rows = [(who, quantity, number(float(median))) for who, quantity, median, _ in _errors(dataset)]
+        rows = [(who, quantity, number(median.item())) for who, quantity, median, _ in _errors(dataset)]
         return [_table(["median RMSE"], rows)]
     compared = dataset.attrs["kind"] == "grid"
     paths, scenario = list(axes_of(dataset).paths), ["scenario's\nown"] * compared
@@ -60,19 +62,50 @@ def tables(dataset: xr.Dataset) -> list[Table]:
     return [_table(columns, rows) for rows, columns in each if rows]
 
 
+def step_table(dataset: xr.Dataset) -> Iterator[Table]:
+    """How much of the RMSE the step makes in the runs sampled, where that is much; nothing if it is not."""
+    rows = [
+        (who, quantity, percent(float(parts.max())), f"{(parts >= SHOWN_FROM).sum()}")
+        for who, quantity, parts in _step_errors(dataset)
+        if parts.max() >= SHOWN_FROM
+    ]
+    if rows:
+        yield _table(["largest\n± step", f"runs from\n{percent(SHOWN_FROM)} on"], rows)
+
+
 def notes(dataset: xr.Dataset) -> Iterator[str]:
-    """Sentences above the tables: how many runs, what failed, which gain conditions do not hold, what is compared."""
+    """Sentences above the tables: how many runs, what failed, the step, gain conditions, what is compared."""
     runs = counted(dataset.plant_failed_at.size, "run")
     yield f"{runs} of {dataset.attrs['scenario']}, {dataset.sizes['seed']:,} per point"
     yield from _failures(dataset, "the plant", dataset.plant_failed_at, dataset.plant_failure)
     for observer in dataset.observer.values.tolist():
         of = dataset.sel(observer=observer)
         yield from _failures(dataset, label(observer), of.failed_at, of.failure)
+    yield from _step_note(dataset)
     broken = json.loads(dataset.attrs["violated_conditions"])
     each = [(label(name), sentence) for name, sentences in broken.items() for sentence in sentences]
     for i, (who, sentence) in enumerate(each):
         yield f"gain condition ({i + 1}) of {who}: {sentence}"
     yield from _comparison(dataset)
+
+
+def _step_errors(dataset: xr.Dataset) -> Iterator[tuple[str, str, Array]]:
+    """Each observer and quantity, and what the step makes of its RMSE in the runs sampled, as fractions."""
+    each = dataset.rmse.values.reshape(-1, dataset.sizes["observer"], dataset.sizes["quantity"])
+    parts = relative(dataset[error_of("rmse")].values, each[dataset.sampled.values])
+    for i, observer in enumerate(dataset.observer.values.tolist()):
+        for j, quantity in enumerate(dataset.quantity.values.tolist()):
+            if (known := parts[~np.isnan(parts[:, i, j]), i, j]).size:
+                yield label(observer), quantity, known
+
+
+def _step_note(dataset: xr.Dataset) -> Iterator[str]:
+    """How good the step is, and in which runs that was tried."""
+    largest = [(float(parts.max()), who, quantity) for who, quantity, parts in _step_errors(dataset)]
+    if largest:
+        part, who, quantity = max(largest)
+        tried, runs = dataset.sizes["sampled"], counted(dataset.plant_failed_at.size, "run")
+        yield f"error of the step: at most {percent(part)} of an RMSE ({who} {quantity}), tried in {tried} of {runs}"
 
 
 def _errors(dataset: xr.Dataset) -> Iterator[tuple[str, str, xr.DataArray, Optimum | None]]:

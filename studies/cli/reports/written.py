@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from ...files.quote import escaped
 from .number import counted
 
 _FIGURES = (".png", ".pdf")
@@ -16,4 +15,4 @@ def written(paths: Sequence[Path]) -> str:
     names = [path.name for path in paths if path.suffix not in _FIGURES]
     if drawn := sum(path.suffix == _FIGURES[0] for path in paths):
         names.append(f"{counted(drawn, 'figure')} as PNG and PDF")
-    return escaped(f"written to {paths[0].parent}/: {', '.join(names)}")
+    return f"written to {paths[0].parent}/: {', '.join(names)}"

@@ -48,7 +48,9 @@ def local_client(workers: int) -> Iterator[Client]:
         client = stack.enter_context(dask.Client(cluster, set_as_default=False))
         # without dask's nanny, which gives up on a worker that dies while it starts
         command = [sys.executable, "-P", "-m", "distributed.cli.dask_worker", cluster.scheduler_address]
-        command += ["--no-nanny", "--host", LOOPBACK, "--nthreads", "1", "--no-dashboard"]
+        command += ["--no-nanny", "--nthreads", "1", "--host", LOOPBACK]
+        # without a dashboard there is still a server of web pages, by default for everyone
+        command += ["--no-dashboard", "--dashboard-address", f"{LOOPBACK}:0"]
         command += ["--death-timeout", str(_ORPHANED)]
         environment = {**os.environ, "DASK_INTERNAL_INHERIT_CONFIG": config.serialize(config.global_config)}
         stack.enter_context(kept_alive(workers, command, environment))

@@ -41,7 +41,10 @@ def test_what_a_terminal_would_obey_is_spelled_out(fake):
         ("exit 0", "reported success but wrote no library"),
         ("touch hillobs.so", "what it wrote is not a library"),
         ("echo done > hillobs.so", "what it wrote is not a library"),
-        ("mkdir hillobs.so", "Is a directory"),
+        ("mkdir hillobs.so", "what it wrote is no file"),
+        ("ln -s /dev/zero hillobs.so", "what it wrote is no file"),
+        ("ln -s /dev/null hillobs.so", "what it wrote is no file"),
+        ("ln -s hillobs.so hillobs.so", "Too many levels of symbolic links"),
         ("ln -s /nowhere hillobs.so", "wrote no library"),
         ('$real "$@" && truncate -s 60 hillobs.so', "not a library"),
         ('$real "$@" && truncate -s 3000 hillobs.so', "only part of a library"),
@@ -59,6 +62,14 @@ def test_a_bad_compiler(fake, text, words):
     assert message.startswith(("The compiler ", "Nothing can be compiled in "))
     fake('exec $real "$@"')
     assert twice(build(SOURCE, DESCRIPTION)) == 8.0
+
+
+def test_a_pipe_where_the_library_should_be_is_not_waited_for(fake):
+    fake("mkfifo hillobs.so")
+    told = "try: toolchain.build(SOURCE, DESCRIPTION)\nexcept cache.BuildError as error: print(error)"
+    code, out, err = finish(python(told))
+    assert (code, err) == (0, "")
+    assert out.startswith("The compiler reported success but what it wrote is no file: ")
 
 
 def test_a_compiler_that_waits_for_input_gets_none(fake):

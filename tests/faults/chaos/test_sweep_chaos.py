@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from forks import PART
+from places import contents
 from survival import ERRORS, STOPPED, SWEEP, assert_a_signal_ends_both, assert_goes_on, assert_survives, is_whole, kept
 
 pytestmark = [pytest.mark.chaos, pytest.mark.xdist_group("forks")]
@@ -54,7 +55,7 @@ def test_a_signal_at_each_call_of_the_drawing(forks, untouched, tmp_path, record
         assert done.code == 128 + getattr(signal, name)
         assert (folder / "x.nc").read_bytes() == untouched[0]
         assert forks.run(folder, *drawing).computed == []
-        assert sorted(os.listdir(folder)) == ["x-curves.pdf", "x-curves.png", "x.nc"]
+        assert sorted(contents(folder)) == ["x-curves.pdf", "x-curves.png", "x.nc"]
     record_property("faults", len(calls) - first + 1)
 
 
@@ -165,7 +166,7 @@ ONE_PART = [sys.executable, "-m", "hillobs", *(word for word in SWEEP if word no
 
 @pytest.mark.parametrize("action", ["KILL", "ENOSPC", "EIO"])
 @pytest.mark.parametrize(
-    "call", ["openat", "write", "pwrite64", "fsync", "flock", "ftruncate", "rename", "unlinkat", "rmdir"]
+    "call", ["openat", "write", "pwrite64", "fsync", "flock", "ftruncate", "mkdirat", "renameat", "unlinkat"]
 )
 def test_each_call_of_the_system(tmp_path: Path, strace: str, record_property, call: str, action: str) -> None:
     """In the order in which the kernel sees them; those before the first that has to do with the sweep start Python."""

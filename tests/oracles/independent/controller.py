@@ -25,8 +25,8 @@ class Backstepping:
         self.reference, self.uncertainty = reference, uncertainty
         self.m, self.C = (value(p, f"plant.{n}", "controller") for n in ("m", "C"))
         self.curves = curves_of(p, "controller")
-        self.gamma, self.k_c, self.F_c, self.u_max = (
-            value(p, f"controller.{n}") for n in ("gamma", "k_c", "F_c", "u_max")
+        self.gamma, self.k_c, self.F_c, self.u_max, self.Delta_min = (
+            value(p, f"controller.{n}") for n in ("gamma", "k_c", "F_c", "u_max", "Delta_min")
         )
         self.K, self.P = lqr(self.m, value(p, "controller.q"), value(p, "controller.R"))
 
@@ -44,8 +44,8 @@ class Backstepping:
         K2 = np.array([0.0, K[0]]) + self.gamma * K + self.P[1] / m
         # [beta] β = −K₁ζ − K₂e + (Φ′_S1 + Φ′_S2) x₂ − mΔ̇_Φ + m r‴
         beta = -K1 * zeta - K2[0] * e1 - K2[1] * e2 + (dF[0] + dF[1]) * x[1] - m * dD + m * dddr
-        # Δ = max(Φ′²_S1 + Φ′²_S2, 1e−9)
-        det = np.maximum(dF[0] ** 2 + dF[1] ** 2, 1e-9)
+        # Δ = max(Φ′²_S1 + Φ′²_S2, Δ_min)
+        det = np.maximum(dF[0] ** 2 + dF[1] ** 2, self.Delta_min)
         # u₁ = −Φ′_S1 β/Δ,   u₂ = Φ′_S2 β/Δ
         u = np.stack([-dF[0] * beta / det, dF[1] * beta / det])
         # u += k_c (F_c − (Φ_S1 + Φ_S2)/2)/Δ · (Φ′_S2, Φ′_S1)

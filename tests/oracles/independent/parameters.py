@@ -19,7 +19,7 @@ PAPER: dict[str, Any] = {
     "reference.offset": 2.6315, "reference.amplitude": 0.01, "reference.frequency": 0.5,
     "uncertainty.offset": 0.005, "uncertainty.amplitude": 0.005, "uncertainty.frequency": 0.8,
     "controller.gamma": 1.0, "controller.q": 10.0, "controller.R": 30.0,
-    "controller.k_c": 0.0, "controller.F_c": 0.2, "controller.u_max": 0.9,
+    "controller.k_c": 0.0, "controller.F_c": 0.2, "controller.u_max": 0.9, "controller.Delta_min": 0.1,
     "noise.x1": 0.0, "noise.force": 0.0, "noise.drift": 0.0, "noise.period": 0.005,
     "pulse.amplitude": (), "pulse.start": (), "pulse.stop": (),
     "activation1.offset": 0.35, "activation1.amplitude": 0.1, "activation1.frequency": 1.0,

@@ -5,6 +5,7 @@ from pathlib import Path
 import xarray as xr
 
 from hillobs.studies.files.netcdf import save_netcdf
+from places import contents
 
 SWEEP = ["sweep", "paper-noisy", "--set", "duration=0.2", "--set", "score.start=0.05", "--seeds", "2"]
 
@@ -20,7 +21,7 @@ def test_figures_lie_beside_the_result_and_are_drawn_again(command, tmp_path: Pa
         0,
         "written to again/: 1 figure as PNG and PDF\n",
     )
-    assert {path.name: path.read_bytes() for path in (tmp_path / "again").iterdir()} == first
+    assert contents(tmp_path / "again") == first
 
 
 def test_a_sweep_without_figures(command, tmp_path: Path) -> None:

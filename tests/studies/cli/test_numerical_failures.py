@@ -18,7 +18,8 @@ def test_an_observer_that_fails_is_named_and_the_others_are_kept(command, tmp_pa
     code, out, err = command("simulate", "paper-noisy", *settings, "--no-figures")
     assert code == 1
     assert err.startswith("hillobs: sliding_mode: ")
-    assert "is not a finite number at τ = " in err
+    assert "is not a number within ±" in err
+    assert " at τ = " in err
     assert "HGO" in out
     text = measures_in(tmp_path / "results")
     assert "high_gain,x2,0.00" in text
@@ -35,7 +36,7 @@ def test_a_mass_out_of_reach_is_named(command) -> None:
 NUMERICAL = {
     "adaptive_sliding_mode": ["--set", "adaptive_sliding_mode.tau_a=1e-5"],
     "sliding_mode": ["--set", "sliding_mode.tau_s=1e-5"],
-    "high_gain": ["--set", "high_gain.eps_h=1e-150"],
+    "high_gain": ["--set", "high_gain.eps_h=1e-25"],
 }
 
 

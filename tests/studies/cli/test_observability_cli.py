@@ -3,6 +3,8 @@
 import json
 from pathlib import Path
 
+from places import contents
+
 
 def test_observability_answers_with_its_exit_code(command, tmp_path: Path) -> None:
     code, out, _ = command("observability", "--unknown", "u")
@@ -26,4 +28,4 @@ def test_observability_answers_with_its_exit_code(command, tmp_path: Path) -> No
     assert code == 0
     assert "along the run, rank 4 for 6." in out
     assert "over the map, rank 4 on 9" in out
-    assert len(list((tmp_path / "o").iterdir())) == 6
+    assert len(contents(tmp_path / "o")) == 6

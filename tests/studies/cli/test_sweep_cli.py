@@ -10,7 +10,7 @@ from hillobs.studies.sweep import plan
 
 NUMBER = "must be a number, not"
 WHOLE = "must be a whole number of at least"
-COUNT = "the number of values must be 1 to 1,000,000, not"
+COUNT = "the number of values must be a whole number from 1 to 1,000,000, not"
 DESIGN = "--design must be latin:N or sobol:N, not"
 NO_FILE = "is no name for a result: it must be that of a file"
 EPS = "--over high_gain.eps_h="
@@ -36,7 +36,7 @@ MISTAKES = {
     f"{EPS}lin:0.1:0.2:{'9' * 5000}": COUNT,
     f"{EPS}log:0:1:3": "needs ends above 0, not 0 and 1",
     f"{EPS}lin:1:0.1:3": "the range from 1 to 0.1 is empty",
-    f"{EPS}lin:0.1:1e400:3": "the range from 0.1 to inf is beyond all numbers",
+    f"{EPS}lin:0.1:1e400:3": "high_gain.eps_h must be a finite number, not inf",
     "--over high_gain.h11=lin:-1e308:1e308:3": "is beyond all numbers",
     f"{EPS}LIN:0.1:0.2:3": "a range is lin:LOW:HIGH:COUNT or log:LOW:HIGH:COUNT",
     "--over \x1b[31m=1": r"unknown path '\x1b[31m'",
@@ -49,14 +49,14 @@ MISTAKES = {
     "--over muscle.k=19,20 --over muscle1.k=18 --over muscle2.k=18": "muscle.k changes nothing here",
     "--over activation1.offset=0.1,0.2": "activation1.offset changes nothing here",
     "--over duration=0.05,1e9": "at duration = 1e+09: duration = 1e+09 at step = 0.0005 is more than",
-    "--over step=1e-300,1e-3": "at step = 1e-300",
+    "--over step=1e-20,1e-3": "at step = 1e-20",
     "--over muscle.k=lin:1:20:1000 --over muscle.toe=lin:0.01:0.04:1000": "are too many",
     "--seeds 0": f"--seeds {WHOLE} 1, not '0'",
     "--seeds -1": f"--seeds {WHOLE} 1, not '-1'",
     "--seeds 1e3": f"--seeds {WHOLE} 1, not '1e3'",
     "--seeds 1_0": f"--seeds {WHOLE} 1, not '1_0'",
     "--seeds ٣": f"--seeds {WHOLE} 1, not '٣'",
-    "--seeds 999999999999": "a sweep has no more than 100,000,000 seeds, not 999,999,999,999",
+    "--seeds 999999999999": "seeds must be a whole number from 1 to 100,000,000, not 999999999999",
     f"--design latin:0 {EPS}lin:0.1:0.2": "a design has 1 to 1,000,000 samples, not 0",
     f"--design latin {EPS}lin:0.1:0.2": f"{DESIGN} 'latin'",
     f"--design grid:3 {EPS}0.1": f"{DESIGN} 'grid:3'",
@@ -110,7 +110,7 @@ def test_a_result_may_have_any_name_that_a_file_may_have(name: str, command, tmp
 def test_an_observer_named_twice_is_there_once(command) -> None:
     code, out, _ = command("sweep", "paper-noisy", *TINY, "--observer", "high_gain")
     assert code == 0
-    assert out.count("HGO") == 1
+    assert sum(line.startswith("HGO") for line in out.splitlines()) == 1
 
 
 def test_what_is_no_result_is_not_overwritten(command, tmp_path: Path) -> None:

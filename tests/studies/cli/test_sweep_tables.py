@@ -29,3 +29,15 @@ def test_the_table_has_the_quantities_asked_for(line: xr.Dataset) -> None:
     assert headings == ["", "quantity", "high_gain. eps_h", "median RMSE", "scenario's own", ""]
     for each in (table, spreads):
         assert list(each.columns[1].cells) == ["x1", "a2"]
+
+
+ALONE = {"plant.m": [1.1]}
+PAIR = {**ALONE, "high_gain.eps_h": [0.1]}
+
+
+@pytest.mark.parametrize(("over", "kind"), [({}, "grid"), (ALONE, "grid"), (PAIR, "grid"), (PAIR, "zip")])
+def test_axes_of_one_value_each_have_a_table_of_medians(over: dict[str, list[float]], kind: str) -> None:
+    swept = sweep("paper-noisy", over, 2, ["high_gain"], SHORT, kind=kind)
+    (table,) = tables(swept)
+    assert [str(column.header) for column in table.columns] == ["", "quantity", "median RMSE"]
+    assert len(printed(table)) > 1

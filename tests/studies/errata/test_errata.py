@@ -361,7 +361,7 @@ def check_observers(rows: Mapping[str, study.Estimation]) -> None:
 
 
 def test_an_observer_that_diverges_says_when(monkeypatch):
-    wild = {"adaptive_as_printed": {"alpha0": 1e200}}
+    wild = {"adaptive_as_printed": {"alpha0": 1e25}}
     monkeypatch.setattr(study, "layers", lambda name, changes: (name, [layer(name, wild), Layer("", changes)]))
     row = study._estimation(study.Variant("wild", ()), lambda done: None)
     assert re.fullmatch(r"diverges at τ = [\d.]+", row.failure)

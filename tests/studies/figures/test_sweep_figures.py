@@ -7,6 +7,7 @@ import xarray as xr
 
 from hillobs.studies.figures.sweep.figures import save_sweep_figures
 from hillobs.studies.sweep.run import sweep
+from places import contents
 from short_sweeps import SHORT, drawn, legend, replaced
 
 
@@ -39,6 +40,6 @@ def test_the_same_sweep_gives_the_same_files(layer: xr.Dataset, plane: xr.Datase
         (tmp_path / name).mkdir()
         for stem, dataset in (("layer", layer), ("plane", plane)):
             save_sweep_figures(dataset.sel(quantity=["x2", "a1"]), tmp_path / name, stem)
-    first, second = ({path.name: path.read_bytes() for path in (tmp_path / name).iterdir()} for name in ("one", "two"))
+    first, second = (contents(tmp_path / name) for name in ("one", "two"))
     assert first == second
     assert len(first) == 4

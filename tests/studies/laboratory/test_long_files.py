@@ -51,9 +51,9 @@ def test_more_numbers_than_memory_should_hold_are_refused_before_they_are_kept(
     monkeypatch.setattr(lines, "_BLOCK", 50_000)
     # time, three inputs and the row of the file
     least = 5 * len(values)
-    monkeypatch.setattr(samples, "_MOST_NUMBERS", least)
+    monkeypatch.setattr(samples, "MOST_NUMBERS", least)
     assert len(read_recording(path)) == len(values)
-    monkeypatch.setattr(samples, "_MOST_NUMBERS", least // 10)
+    monkeypatch.setattr(samples, "MOST_NUMBERS", least // 10)
     tracemalloc.start()
     with pytest.raises(RecordingError, match=r"long\.csv: holds more than 20,000 numbers; cut it into parts"):
         read_recording(path)

@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 from hillobs.model.block import Parameter
 from hillobs.model.curves import CURVES, NGUYEN2019
 from hillobs.studies.files.errors import ScenarioError
-from hillobs.studies.laboratory.muscles import SCALED, MusclePair, muscle_file, muscle_pair, read_muscles
+from hillobs.studies.laboratory.muscles import SCALED, SIZES, MusclePair, muscle_file, muscle_pair, read_muscles
 from hillobs.studies.laboratory.scales import scales
 from hillobs.studies.scenarios.loops import all_paths
 from places import DOCS, RECORDINGS
@@ -221,12 +221,12 @@ def _with(value: object, *path: str) -> Callable[[dict[str, Any]], None]:
         (_with("hill", "muscle", "curves"), "muscle.curves must be one of nguyen2019"),
         (_with("hill", "muscle2", "curves"), "muscle2.curves must be one of nguyen2019"),
         (_with(1, "muscle2", "curves"), "muscle2.curves must be one of nguyen2019"),
-        (_with(0.0, "mass"), "mass must be above 0, not 0"),
+        (_with(0.0, "mass"), "mass must be at least 1e-09, not 0"),
         (_with(math.nan, "C"), "C must be a finite number, not nan"),
         (_with(True, "C"), "C must be a number, not true"),
         (_with("0.62", "C"), "C must be a number, not '0.62'"),
         (_with(0.4, "C"), "C = 0.4 must be above both tendon slack lengths together, 0.4"),
-        (_with(-1.0, "muscle2", "F_max"), "muscle2.F_max must be above 0, not -1"),
+        (_with(-1.0, "muscle2", "F_max"), "muscle2.F_max must be at least 1e-06, not -1"),
         (_with(100.0, "muscle", "optimal_fibre_length"), "muscle.optimal_fibre_length must be below 10, not 100"),
         (_with(50.0, "muscle2", "optimal_fibre_length"), "muscle2.optimal_fibre_length must be below 10, not 50"),
         (_with(10**400, "muscle", "v_max"), "muscle.v_max must be a finite number, not inf"),
@@ -292,3 +292,16 @@ def test_the_sizes_are_those_of_the_curve_sets() -> None:
     """Whatever set there is, its sizes have these names; everything else is a number of the file."""
     for curves in CURVES.values():
         assert curves.parameters.keys() & set(SCALED) in ({"L_slack"}, set(SCALED)), curves.name
+
+
+@pytest.mark.parametrize("exponent", [-300, -70, 70, 300])
+@pytest.mark.parametrize("key", ["mass", "C", *SIZES, "tendon_strain", "passive_strain", "damping"])
+def test_a_number_beyond_any_muscle_is_refused_by_name(key: str, exponent: int) -> None:
+    pair = read_muscles(RECORDINGS / "dgf_smooth.toml")
+    content = muscle_file(pair)
+    section = content if key in content else content["muscle1"]
+    if key == "damping" and exponent < 0:
+        return  # as good as none
+    section[key] = 10.0**exponent
+    with pytest.raises(ScenarioError, match=rf"{key} must be (at least|at most|below) "):
+        muscle_pair(content)

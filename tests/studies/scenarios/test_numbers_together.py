@@ -29,7 +29,7 @@ def test_numbers_that_do_not_fit_together_are_named(changes: dict[str, float], m
 @pytest.mark.parametrize("path", ["score.start", "noise.period", "record", "pulse1.start", "pulse2.stop"])
 def test_a_time_beyond_every_integer_is_refused_or_right(path: str) -> None:
     """The kernel counts steps in 64 bits; what does not fit must not wrap around."""
-    changes = {path: 1e300}
+    changes = {path: 1e30}
     if sentence := refusal(lambda: prepare("paper-noisy", None, changes)):
         assert path in sentence
         return

@@ -1,5 +1,7 @@
 """Sweeps on a cluster: the same bits as here, whoever dies; what cannot be mended ends with a sentence."""
 
+import ipaddress
+import itertools
 import os
 import signal
 import subprocess
@@ -7,6 +9,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
+from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +18,7 @@ import pytest
 import xarray as xr
 from distributed import LocalCluster
 
+from hillobs.codegen.batch import compile_loop
 from hillobs.codegen.toolchain import PORTABLE
 from hillobs.model.block import Block
 from hillobs.studies.files.errors import ClusterError, ScenarioError
@@ -274,6 +278,35 @@ def test_a_worker_that_ends_is_followed_by_another(tmp_path: Path) -> None:
                 pause.wait(0.02)
         if sys.platform == "linux":
             assert not list(_with_environment(f"HILLOBS_TEST={tmp_path}".encode()))
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="the system is asked for its sockets through /proc")
+def test_a_local_cluster_listens_on_loopback_only(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Scheduler and workers, with all they start: no port is open to other machines."""
+    monkeypatch.setenv("HILLOBS_TEST", str(tmp_path))
+    with on_cluster("local", 2) as compute:
+        checked = plan("paper-noisy", OVER, 8, "high_gain", SHORT)
+        computed = compute(checked, compile_loop(checked.prepared.loop, PORTABLE), range(checked.parts))
+        for _ in range(3):
+            next(computed)
+        workers = list(_with_environment(f"HILLOBS_TEST={tmp_path}".encode()))
+        ours = list(itertools.chain.from_iterable(_listening(pid) for pid in [str(os.getpid()), *workers]))
+        computed.close()
+    assert len(workers) == 2
+    assert len(ours) >= 3
+    assert all(address.is_loopback for address in ours)
+
+
+def _listening(pid: str) -> Iterator[ipaddress.IPv4Address | ipaddress.IPv6Address]:
+    """The addresses on which a process listens."""
+    inodes = {os.readlink(link) for link in Path(f"/proc/{pid}/fd").iterdir() if link.is_symlink()}
+    for kind in ("tcp", "tcp6"):
+        for line in Path(f"/proc/{pid}/net/{kind}").read_text().splitlines()[1:]:
+            local, state, inode = itemgetter(1, 3, 9)(line.split())
+            if state == "0A" and f"socket:[{inode}]" in inodes:
+                # words of 32 bits in the byte order of the machine
+                words = bytes.fromhex(local.partition(":")[0])
+                yield ipaddress.ip_address(b"".join(words[i : i + 4][::-1] for i in range(0, len(words), 4)))
 
 
 def _with_environment(entry: bytes) -> Iterator[str]:

@@ -82,7 +82,7 @@ class Machine(RuleBasedStateMachine):
                 self.damaged.discard(part)
 
     @precondition(lambda self: self.here.parts.exists())
-    @rule(name=st.sampled_from([".00000001.part-torn", ".x.nc-torn", "notes.txt"]))
+    @rule(name=st.sampled_from([".00000001.part-torn", ".x.nc-torn", ".plan.json-torn"]))
     def leave(self, name: str) -> None:
         (self.here.parts / name).write_bytes(b"half")
 

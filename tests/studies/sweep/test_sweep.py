@@ -81,9 +81,9 @@ def test_a_range_has_its_ends() -> None:
         ({"muscle.k": [19, 40]}, 1, "at muscle.k = 40"),
         ({"step": [5e-4, 3e-4]}, 1, "at step = 0.0003"),
         ({"seed": [1]}, 1, "use seeds"),
-        ({}, 0, "at least one seed"),
+        ({}, 0, "seeds must be a whole number from 1"),
         ({}, [1, 1], "a seed is there twice"),
-        ({}, [-1], "whole numbers from 0"),
+        ({}, [-1], "whole number from 0"),
     ],
 )
 def test_what_cannot_be_swept_is_said(over, seeds, words) -> None:
@@ -104,7 +104,10 @@ def test_what_is_not_asked_for_is_not_scored_and_changes_nothing() -> None:
     every = sweep("paper-noisy", EPS, seeds=3, changes=SHORT)
     few = sweep("paper-noisy", EPS, seeds=3, changes=SHORT, quantities=["Delta", "x2"], measures=["chattering"])
     assert few.quantity.values.tolist() == ["x2", "Delta"]
-    assert [name for name in few.data_vars if "quantity" in few[name].dims] == ["rmse", "chattering"]
+    assert [name for name in few.data_vars if "quantity" in few[name].dims] == [
+        *("rmse", "chattering"),
+        *("rmse_step_error", "chattering_step_error"),
+    ]
     for measure in ("rmse", "chattering"):
         np.testing.assert_allclose(few[measure], every[measure].sel(quantity=few.quantity), rtol=1e-10)
 

@@ -1,0 +1,30 @@
+"""Results that are to be drawn again: whole, damaged, forged, or something else."""
+
+from __future__ import annotations
+
+from random import Random
+
+from hostile.case import Layer
+from hostile.draw.names import odd_kind, odd_name
+from hostile.results import RESULTS
+
+FILE = "r.nc"
+
+
+def drawing(random: Random) -> Layer:
+    """A result, now and then whole."""
+    entry: dict[str, object] = {"result": random.choice(RESULTS)}
+    if random.random() < 0.9:
+        if random.random() < 0.3:
+            entry["cut"] = random.choice((0.0, 0.001, 0.5, 0.999, random.random()))
+        else:
+            pieces = ("00", "ff", "00" * 64, "ff" * 512, "89484446", "41" * 8)
+            entry["edits"] = [[random.random(), random.choice(pieces)] for _ in range(random.choice((1, 1, 3)))]
+            # a seal that fits lets the damage through to the reader
+            entry["seal"] = random.random() < 0.8
+    return {"words": [FILE], "files": {FILE: entry}}
+
+
+def odd_file(random: Random) -> Layer:
+    """An odd name, or something else in its place."""
+    return odd_name(random, FILE) if random.random() < 0.5 else odd_kind(random, FILE)

@@ -1,0 +1,86 @@
+"""Where a command may write, and what it has touched beside that."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+from hostile.case import Case
+from hostile.sandbox import TEMPORARY, WORK, Snapshot
+
+_USUAL = {"simulate": "results", "estimate": "estimates", "observability": "results", "curves": "results"}
+
+
+def may_write(case: Case, box: Path) -> list[str]:
+    """The files and folders that a command is told to write to, from the folder of its case."""
+    cache = case.environment.get("HILLOBS_CACHE") or ""
+    own_cache = [cache.removeprefix("BOX/")] if cache.startswith("BOX/") else []
+    return [*own_cache, *_results(case, box)]
+
+
+def _results(case: Case, box: Path) -> list[str]:
+    work = os.path.join(box, WORK)
+    if case.python:
+        return [_from(box, os.path.join(work, name)) for name in case.writes]
+    verb = case.words[0] if case.words else ""
+    out = _option(case.words, "--out")
+    if verb == "figures" and out is None:
+        out = os.path.dirname(next((word for word in case.words[1:] if not word.startswith("-")), "")) or "."
+    out = _USUAL.get(verb) if out is None else out
+    if out is None or "\0" in out:
+        return []
+    # a folder may be a link: it is what the user has named
+    place = os.path.realpath(os.path.join(work, out)) if verb != "sweep" else _beside_link(work, out)
+    if verb != "sweep":
+        return [_from(box, place)]
+    written = os.path.join(os.path.dirname(place), f".hillobs-{os.geteuid()}")  # the list of what is ours there
+    names = [place, f"{place}.parts", f"{os.path.splitext(place)[0]}-*", written]
+    return [_from(box, name) for name in names]
+
+
+def _beside_link(work: str, out: str) -> str:
+    """The name of a result: its folder is followed, it itself is not."""
+    whole = os.path.join(work, out)
+    return os.path.join(os.path.realpath(os.path.dirname(whole)), os.path.basename(whole))
+
+
+def _from(box: Path, path: str) -> str:
+    return os.path.relpath(path, os.path.realpath(box))
+
+
+def _option(words: tuple[str, ...], name: str) -> str | None:
+    value = None
+    for i, word in enumerate(words):
+        if word == "--":
+            break
+        if word == name and i + 1 < len(words):
+            value = words[i + 1]
+        elif word.startswith(f"{name}="):
+            value = word.partition("=")[2]
+    return value
+
+
+def wrongly_touched(before: Snapshot, after: Snapshot, allowed: list[str], made: set[str]) -> Iterator[str]:
+    """A sentence for each thing that is changed, gone, or new where it must not be.
+
+    made: what earlier runs of ours have left there, which may be written again or removed.
+    """
+    for name, was in before.items():
+        if name in made:
+            continue
+        if name not in after:
+            yield f"{name!r} is gone"
+        elif after[name] != was:
+            yield f"{name!r} is changed: {was[:3]} became {after[name][:3]}"
+    for name in after.keys() - before.keys():
+        if not any(_is_at(name, place) or (_is_at(place, name) and after[name][0] == "folder") for place in allowed):
+            where = "is left in the temporary folder" if _is_at(name, TEMPORARY) else "is new, and not where it may be"
+            yield f"{name!r} {where}"
+
+
+def _is_at(name: str, place: str) -> bool:
+    """Whether a name is the place or below it; a place that ends in -* is figures of a sweep."""
+    if place.endswith("-*"):
+        return name.startswith(place[:-1]) and name.endswith((".png", ".pdf"))
+    return place == "." or name == place or name.startswith(f"{place}/")

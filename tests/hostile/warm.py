@@ -1,0 +1,89 @@
+"""A process that has everything loaded: it draws cases and tries them, in forks of itself or in fresh processes."""
+
+from __future__ import annotations
+
+import gc
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+_TESTS = Path(__file__).parents[1]
+# no thread may run when a process is forked
+_ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
+
+
+class Warm:
+    """The process seen from outside; a context."""
+
+    def __enter__(self) -> Warm:
+        paths = os.pathsep.join(str(path) for path in (_TESTS, _TESTS / "faults"))
+        self._process = subprocess.Popen(
+            [sys.executable, "-m", "hostile.warm"],
+            env={**os.environ, **_ONE_THREAD, "PYTHONPATH": paths},
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+            start_new_session=True,
+        )
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._process.stdin.close()
+        self._process.wait(timeout=60)
+
+    def ask(self, **question: object) -> None:
+        """Begin with the case `number` of a `seed`, or with that of some `layers`; `again` tries it twice."""
+        print(json.dumps(question), file=self._process.stdin, flush=True)
+
+    def answer(self) -> Mapping[str, Any]:
+        """The layers of the case and the verdict on it."""
+        line = self._process.stdout.readline()
+        if not line:
+            raise RuntimeError("the process that tries cases has died")
+        return json.loads(line)
+
+    def fileno(self) -> int:
+        """To wait for the next answer."""
+        return self._process.stdout.fileno()
+
+
+def _serve() -> None:
+    """Answer questions on standard input until it ends."""
+    from dataclasses import asdict
+
+    from hostile.case import merged
+    from hostile.draw.case import draw
+    from hostile.process import adopt_orphans
+    from hostile.results import RESULTS, result
+    from hostile.trial import tried
+
+    adopt_orphans()
+    _load()
+    for name in RESULTS:
+        result(name)
+    gc.freeze()  # a collection in a fork would copy all memory
+    for line in sys.stdin:
+        asked = json.loads(line)
+        layers = asked["layers"] if "layers" in asked else draw(asked["seed"], asked["number"])
+        verdict = tried(merged(layers), asked.get("again", False))
+        print(json.dumps({"layers": layers, "verdict": asdict(verdict)}), flush=True)
+
+
+def _load() -> None:
+    """Import what commands import when they are asked for: no fork imports it again."""
+    import importlib
+
+    from hillobs.studies.cli.main import _COMMANDS
+
+    for module, _ in _COMMANDS.values():
+        importlib.import_module(f"hillobs.studies.cli.{module}")
+    for name in ("h5netcdf", "matplotlib.backends.backend_agg", "matplotlib.backends.backend_pdf", "scipy.stats.qmc"):
+        importlib.import_module(name)
+
+
+if __name__ == "__main__":
+    _serve()
