@@ -93,6 +93,7 @@ def _part(block: Block, table: Mapping[str, ca.Function]) -> str:
         "N_GUARDS": len(block.guards),
         "N_DOMAIN": len(block.domain),
         **{f"HAS_{role.upper()}": int(role in table) for role in ("sample", "each")},
+        "SAMPLED": int(block.sampled),
     }
     roles = [_role(role, table[role]) for role in _ROLES if role in table]
     return f"struct Part_{block.name} {{\n    {_enumeration(sizes)}{_magnitude(block)}{''.join(roles)}}};\n"

@@ -55,8 +55,8 @@ class Loop:
         if double := {name for name in names if names.count(name) > 1}:
             raise BlockError(f"two blocks of the loop are called {', '.join(sorted(double))}")
         outputs = list(self.observers[0].y)
-        if odd := [observer.name for observer in self.observers if list(observer.y) != outputs]:
-            raise BlockError(f"{odd[0]}: its outputs must be {', '.join(outputs)}")
+        if odd := [observer.name for observer in self.observers if list(observer.y)[: len(outputs)] != outputs]:
+            raise BlockError(f"{odd[0]}: its outputs must begin with {', '.join(outputs)}")
 
     def functions(self, block: Block) -> dict[str, ca.Function]:
         """The roles of one Block of the loop, with its parameters as an argument."""

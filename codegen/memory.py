@@ -5,7 +5,7 @@ from __future__ import annotations
 import ctypes
 import itertools
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -32,6 +32,14 @@ class Grid:
     hold: int  # steps per noise sample; 0: no noise
     window: int  # first grid point whose errors count
     pulses: tuple[tuple[int, int], ...] = ()  # first step on, first step off
+
+    def of(self, block: Block) -> Grid:
+        """The grid of the points at which the errors of `block` count: the samples, if it moves at them only."""
+        if not block.sampled or not self.hold:
+            return self
+        return replace(
+            self, h=self.h * self.hold, steps=self.steps // self.hold, window=-(-self.window // self.hold), hold=1
+        )
 
     def halved(self) -> Grid:
         """The same times in steps of h/2."""

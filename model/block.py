@@ -64,6 +64,7 @@ class Parameter:
     least: float = -math.inf  # value ≥ least
     below: float = math.inf  # value < below
     most: float = math.inf  # value ≤ most
+    whole: bool = False  # no fraction
     shared: str = ""
 
     def objection(self, value: float) -> str:
@@ -74,6 +75,7 @@ class Parameter:
             (value >= self.least, f"at least {self.least:g}"),
             (value < self.below, f"below {self.below:g}"),
             (value <= self.most, f"at most {self.most:g}"),
+            (not self.whole or float(value).is_integer(), "a whole number"),
         )
         return next((words for holds, words in bounds if not holds), "")
 
@@ -153,6 +155,11 @@ class Block:
             for name, expression in getattr(self, group).items():
                 if free := [s.name() for s in ca.symvar(expression) if s.element_hash() not in allowed]:
                     raise BlockError(f"{self.name}: {group}.{name} uses {', '.join(free)}, not among its own symbols")
+
+    @property
+    def sampled(self) -> bool:
+        """Whether it moves at samples only, and stands still between them."""
+        return bool(self.next) and not self.dx and not self.per_step
 
     def rewritten(self, change: Callable[[Symbols], Symbols], **fields: object) -> Block:
         """A copy with `change` applied to each group of expressions, and `fields` replaced."""

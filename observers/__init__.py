@@ -18,9 +18,13 @@ from .adaptive_sliding_mode import ADAPTIVE_SLIDING_MODE
 from .baseline import baseline
 from .high_gain import HIGH_GAIN
 from .high_gain_3 import HIGH_GAIN_3
+from .kalman.constant import KALMAN_CONSTANT
+from .kalman.filter import KALMAN
 from .observer import Observer
 from .ports import ESTIMATES, INPUTS
 from .sliding_mode import SLIDING_MODE
+from .slopes import SLOPES, tendon_slopes
+from .spread import COVARIANCES, SPREADS, spread
 from .tendons import tendons
 
 # figures choose their lines in this order: append new ones
@@ -29,6 +33,8 @@ OBSERVERS: Mapping[str, Observer] = {
     "sliding_mode": SLIDING_MODE,
     "adaptive_sliding_mode": ADAPTIVE_SLIDING_MODE,
     "high_gain_3": HIGH_GAIN_3,
+    "kalman": KALMAN,
+    "kalman_constant": KALMAN_CONSTANT,
 }
 # the observers that run where none is named
 PAPER = ("high_gain", "sliding_mode", "adaptive_sliding_mode")
@@ -45,31 +51,26 @@ _DOMAIN = Block("domain", p=symbols("C"), parameters={"C": LENGTH})
 
 
 def estimator(observer: Block, curves: Curves = NGUYEN2019, activations: bool = True) -> Block:
-    """`observer` with the activation block behind it (unless it estimates the activations itself).
+    """`observer` with what it needs in front of it and what follows from its estimates behind it.
 
-    Without `activations` nobody asks for them. Refuses a Block without the observer's ports (BlockError).
+    In front are the slopes of the tendons, if it asks for them; behind are the activations, unless it estimates them
+    itself, and standard deviations, if it tells covariances. Without `activations` nobody asks for what is behind.
+    Refuses a Block without the observer's ports (BlockError).
     """
-    if wrong := [name for name in observer.u if name not in INPUTS]:
-        raise BlockError(f"{observer.name}: an observer sees {', '.join(INPUTS)} only, not {', '.join(wrong)}")
-    if missing := [name for name in ESTIMATES if name not in observer.y]:
-        raise BlockError(f"{observer.name}: an observer must estimate {', '.join(missing)} as well")
-    if odd := [name for name in observer.x if not name.isidentifier()]:
-        raise BlockError(
-            f"{observer.name}: the state {odd[0]!r} has no name that a result can carry; use letters, digits, _"
-        )
-    estimated = [name for name in _ACTIVATIONS if name in observer.y]
-    if len(estimated) == 1:
-        other = next(name for name in _ACTIVATIONS if name not in estimated)
-        raise BlockError(f"{observer.name}: it estimates {estimated[0]}, so it must estimate {other} as well")
-    behind = [] if estimated or not activations else [activation_estimate(curves)]
-    for part in (*behind, tendons(curves), _DOMAIN):
+    _refuse_ports(observer)
+    front = [tendon_slopes(curves)] if any(name in SLOPES for name in observer.u) else []
+    behind = _behind(observer, curves) if activations else []
+    for part in (*front, *behind, tendons(curves), _DOMAIN):
         _refuse_clashes(observer, part)
-    connections = {f"{observer.name}.{port}": port for port in observer.u}
-    connections |= {f"{part.name}.{name}": f"{observer.name}.{name}" for part in behind for name in ESTIMATES}
-    external = {port: "t" if port == "t" else "held" if port in observer.held else "staged" for port in observer.u}
-    wired = wire(observer.name, [observer, *behind], connections, external)
+    connections = {f"{observer.name}.{port}": f"slopes.{port}" if port in SLOPES else port for port in observer.u}
+    connections |= {f"{part.name}.{port}": port for part in front for port in part.u}
+    connections |= {f"{part.name}.{port}": f"{observer.name}.{port}" for part in behind for port in part.u}
+    ports = dict.fromkeys(source for source in connections.values() if source in INPUTS)
+    external = {port: "t" if port == "t" else "held" if port in observer.held else "staged" for port in ports}
+    wired = wire(observer.name, [*front, observer, *behind], connections, external)
     names = [*wired.x, *wired.y, *wired.p, *wired.guards, *wired.domain]
-    outputs = [*ESTIMATES, *(_ACTIVATIONS if activations else ())]
+    told = [key.partition(".")[2] for key in wired.y]
+    outputs = [*ESTIMATES, *(name for name in (*_ACTIVATIONS, *SPREADS) if activations and name in told)]
     whole = rename(wired, observer.name, {key: key.partition(".")[2] for key in names}, outputs)
     # its own numbers of the tendons that tell it L_S1 and L_S2, and of the domain that its estimates lie in
     parameters = {**whole.parameters, **tendon_parameters(curves), "C": LENGTH}
@@ -77,6 +78,29 @@ def estimator(observer: Block, curves: Curves = NGUYEN2019, activations: bool = 
     return replace(
         whole, parameters=parameters, p=p, limits=Symbols({**limits([*whole.x, *whole.y], p.C), **whole.limits})
     )
+
+
+def _refuse_ports(observer: Block) -> None:
+    if wrong := [name for name in observer.u if name not in INPUTS]:
+        raise BlockError(f"{observer.name}: an observer sees {', '.join(INPUTS)} only, not {', '.join(wrong)}")
+    if missing := [name for name in ESTIMATES if name not in observer.y]:
+        raise BlockError(f"{observer.name}: an observer must estimate {', '.join(missing)} as well")
+    if odd := [name for name in observer.x if not all(part.isidentifier() for part in name.split("."))]:
+        raise BlockError(
+            f"{observer.name}: the state {odd[0]!r} has no name that a result can carry; use letters, digits, _"
+        )
+
+
+def _behind(observer: Block, curves: Curves) -> list[Block]:
+    """What follows from the estimates of `observer`."""
+    estimated = [name for name in _ACTIVATIONS if name in observer.y]
+    if len(estimated) == 1:
+        other = next(name for name in _ACTIVATIONS if name not in estimated)
+        raise BlockError(f"{observer.name}: it estimates {estimated[0]}, so it must estimate {other} as well")
+    if estimated:
+        return []
+    sure = all(name in observer.y for name in COVARIANCES)
+    return [activation_estimate(curves), *([spread(curves)] if sure else [])]
 
 
 def _refuse_clashes(observer: Block, part: Block) -> None:

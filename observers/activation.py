@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import casadi as ca
+
 from ..model.block import Block, Parameter, Parameters, Symbols, symbols
 from ..model.curves import NGUYEN2019, Curves, by_muscle, curve_parameters
 from ..model.dialect import clamp, outside
@@ -17,19 +22,42 @@ LIMITS: Parameters = {
 }
 
 
-def activation_estimate(curves: Curves = NGUYEN2019) -> Block:
-    """Inputs: the estimates; outputs a1_hat, a2_hat in [0, 1]; guards say when a limit is active."""
-    u = symbols(ESTIMATES)
-    parameters = {"C": LENGTH, **LIMITS, **curve_parameters(curves)}
-    p = symbols(parameters)
-    y, guards = Symbols(), Symbols()
+@dataclass(frozen=True)
+class Formula:
+    """The activation â of muscle j as an expression of `drive`, a symbol for û_j, which is to be within its limits."""
+
+    j: int
+    a: ca.SX
+    drive: ca.SX
+    low: ca.SX
+    high: ca.SX
+
+
+def activation_parameters(curves: Curves) -> Parameters:
+    """All numbers that the activations take."""
+    return {"C": LENGTH, **LIMITS, **curve_parameters(curves)}
+
+
+def formulas(curves: Curves, u: Symbols, p: Symbols) -> Iterator[Formula]:
+    """The activations of both muscles as their states, not yet limited, are in the estimates `u`."""
     sets = by_muscle(curves)
     for j, (muscle, L_m) in enumerate(zip(MUSCLES, lengths(u.x1_hat, p.C), strict=True), start=1):
-        curve, numbers, L_S, drive = sets[muscle], p.part(muscle), u[f"x{j + 2}_hat"], u[f"u{j}_hat"]
+        curve, numbers, L_S, drive = sets[muscle], p.part(muscle), u[f"x{j + 2}_hat"], ca.SX.sym("drive")
         low, high = (limit * curve.speed(numbers) for limit in (p.u_low, p.u_high))
         # â_j = (Φ_S(x̂_{j+2}) − Φ_P(L̂_Cj))/(g(û_j) f(L̂_Cj))   [z]
-        a = curve.activation(curve.Phi_S(L_S, numbers), L_m - L_S, clamp(drive, low, high), numbers)
-        y[f"a{j}_hat"] = clamp(a, 0, 1)
-        guards[f"u{j}_hat_limit"] = outside(drive, low, high)
-        guards[f"a{j}_hat_limit"] = outside(a, 0, 1)
+        a = curve.activation(curve.Phi_S(L_S, numbers), L_m - L_S, drive, numbers)
+        yield Formula(j, a, drive, low, high)
+
+
+def activation_estimate(curves: Curves = NGUYEN2019) -> Block:
+    """Inputs: the estimates; outputs a1_hat, a2_hat in [0, 1]; guards say when a limit is active."""
+    u, parameters = symbols(ESTIMATES), activation_parameters(curves)
+    p = symbols(parameters)
+    y, guards = Symbols(), Symbols()
+    for f in formulas(curves, u, p):
+        drive = u[f"u{f.j}_hat"]
+        a = ca.substitute(f.a, f.drive, clamp(drive, f.low, f.high))
+        y[f"a{f.j}_hat"] = clamp(a, 0, 1)
+        guards[f"u{f.j}_hat_limit"] = outside(drive, f.low, f.high)
+        guards[f"a{f.j}_hat_limit"] = outside(a, 0, 1)
     return Block("activation", u=u, p=p, parameters=parameters, y=y, guards=guards)

@@ -70,7 +70,7 @@ def layers(s: Sizes, T: float) -> Layers:
         e = delta * D / (alpha - D)
         return injection(alpha) * math.sqrt(e) * e / (delta + e)
 
-    sigma_L = max(math.sqrt(s.sigma_L1 * s.sigma_L2), _NO_NOISE)
+    sigma_L = max(s.sigma_L, _NO_NOISE)
     # r_L = u/(0.5 σ_L)
     rate = max(math.hypot(s.U, missed(s.D)) / (_OFFSET * sigma_L), _LEAST_RATE)
     return Layers(

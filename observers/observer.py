@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
@@ -17,7 +18,9 @@ class Sizes:
     """How noisy, how fast and how large a recording is; lengths, forces and times in the paper's units."""
 
     sigma_1: float  # noise of y₁
-    sigma_L1: float  # noise of the measured tendon lengths
+    sigma_F1: float  # noise of y₂ and y₃
+    sigma_F2: float
+    sigma_L1: float  # noise of the tendon lengths that these tell
     sigma_L2: float
     eps_1: float  # ε of the chain of x̂₁
     eps_L: float  # ε of the chains of x̂₃ and x̂₄, of order 2
@@ -27,11 +30,21 @@ class Sizes:
     U: float  # u₁ and u₂, root mean square
     U_max: float
 
+    @property
+    def sigma_L(self) -> float:
+        """Noise of both tendon lengths."""
+        return math.sqrt(self.sigma_L1 * self.sigma_L2)
+
 
 # name → rate, symbolic in the observer's parameters
 Rates = Callable[[Symbols], Mapping[str, ca.SX]]
 # (sizes, sampling period T in τ) → name → value; what is not named keeps its default
 Gains = Callable[[Sizes, float], Mapping[str, float]]
+
+
+def no_rates(p: Symbols) -> Mapping[str, ca.SX]:
+    """The rates of an observer that moves at samples only: it asks for no step in between."""
+    return {}
 
 
 @dataclass(frozen=True)

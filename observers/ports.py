@@ -6,11 +6,12 @@ import casadi as ca
 
 from ..model.block import Parameter, Parameters, Symbols
 from ..model.symbols import MEASURED, QUANTITIES, STATES, hat
+from .slopes import SLOPES
 from .tendons import LENGTHS
 
 # an observer is a Block with (some of) these inputs and all of these outputs
 SENSED = (*MEASURED, *LENGTHS)
-INPUTS = ("t", *SENSED)
+INPUTS = ("t", *SENSED, *SLOPES)
 ESTIMATES = tuple(hat(name) for name in QUANTITIES if name not in ("a1", "a2"))
 
 _START = dict(zip(STATES, (2.62, 0.0, 2.01, 2.01), strict=True))

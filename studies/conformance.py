@@ -18,6 +18,7 @@ from ..observers.tendons import tendons
 from .simulate.run import simulate
 
 _POINTS = 200
+_STEP = 1e-4
 _AGREEMENT = 1e-12
 # forces at which a tendon is slack, at its edge, in the toe, at the end of the toe, beyond; a sensor may read below 0
 _FORCES = (-1e-3, 0.0, 1e-12, 0.1, 0.5, 2.0)
@@ -52,12 +53,14 @@ def _numbers(whole: Block) -> Iterator[str]:
         lengths, _ = front["out"](0, [], p_front, [], y)
         seen = ca.vertcat(y, lengths)
         x = table["init"](0, p, held, seen)
-        after, _ = table["step"](0, 1e-4, x, p, held, ca.repmat(seen, 1, STAGES))
+        after, _ = table["step"](0, _STEP, x, p, held, ca.repmat(seen, 1, STAGES))
+        jumps = {role: table[role](_STEP, x, p, held, seen) for role in ("sample", "each") if role in table}
         outputs, domain = table["out"](0, x, p, held, seen)
         guards = table["watch"](0, x, p, held, seen)
         for what, values in (
             ("start", x),
             ("step", after),
+            *jumps.items(),
             ("outputs", outputs),
             ("guards", guards),
             ("domain", domain),

@@ -22,6 +22,13 @@ INLINE void between(const Filter &f, int64_t i, int64_t step, Sight &sight) {
     see<Near>(f.front, 1, &sight);
 }
 
+// Sample i alone.
+INLINE void look(const Filter &f, int64_t i, Sight &sight) {
+    V nothing[Front::N_DOMAIN + 1];
+    for (int m = 0; m < N_MEASURED; ++m) sight.staged[m] = f.y[i * N_MEASURED + m];
+    Front::out(&NEVER, f.front.c, 0, &NEVER, sight.staged, sight.staged + N_MEASURED, nothing);
+}
+
 template <class B> static __attribute__((noinline)) void prepare(Filter &f, double step) {
     const V h = f.h = step;
     B::constants(&h, f.p, f.c);
@@ -63,6 +70,12 @@ template <class B> static FLAT void follow(Filter &f) {
     for (; i < f.n && f.failed < 0; ++i) {
         const double step = (f.t[i] - f.t[i - 1]) / (double)f.substeps;
         if (step != f.h) prepare<B>(f, step);
+        // what moves at samples only has no use for the stages before
+        if constexpr (B::SAMPLED) {
+            look(f, i, sight);
+            leave<B>(f, i, sight.staged);
+            continue;
+        }
         copy<B::NX>(f.x, x);
         for (int64_t s = 0; s < f.substeps; ++s) {
             const V t = f.t[i - 1] + (double)s * step;

@@ -179,7 +179,8 @@ INLINE void account(const Batch &batch, const V *c, int64_t k, const V *held, co
     copy<S::NX>(after, sums);
 }
 
-// One observer and its score at the grid points from `from` to `until`, exclusive.
+// One observer and its score at the grid points from `from` to `until`, exclusive. What moves at samples only is scored
+// there: in between it claims nothing new.
 template <class B, class S>
 static FLAT void observe(const Batch &batch, Runs &runs, Part &part, int64_t from, int64_t until, const Outputs *truth,
                          const Sight *sights) {
@@ -187,13 +188,14 @@ static FLAT void observe(const Batch &batch, Runs &runs, Part &part, int64_t fro
     copy<B::NX>(part.x, x);
     copy<S::NX>(part.sums, sums);
     for (int64_t k = from; k < until; ++k) {
+        if (B::SAMPLED && !sampled(batch, k) && !part.record_x && !part.guards) continue;
         const V *staged = sights[k - from].staged, t = time_at(batch, k);
-        V held[N_HELD], scored[N_TRUTH + N_ESTIMATES];
+        V held[N_HELD], scored[N_TRUTH + B::NY];  // of the outputs, the first N_ESTIMATES
         hold(batch, runs, k, held);
         copy<N_TRUTH>(truth[k - from], scored);
         visit<B>(batch, runs, part, k, held, staged, x, scored + N_TRUTH);
-        account<S>(batch, runs.parts[2 + N_OBSERVERS].c, k, held, scored, sums);
-        if (k == batch.steps) break;
+        if (!B::SAMPLED || sampled(batch, k)) account<S>(batch, runs.parts[2 + N_OBSERVERS].c, k, held, scored, sums);
+        if (B::SAMPLED || k == batch.steps) continue;
         B::step(&t, part.c, x, held, staged, after, 0);
         copy<B::NX>(after, x);
     }

@@ -17,6 +17,7 @@ from ...codegen.bank import Bank
 from ...codegen.filters import CompiledBank
 from ...model.arrays import Array
 from ...model.block import Block, Symbols, symbols
+from ...model.skeleton import pull
 from ...observers.high_gain import HIGH_GAIN
 from ...observers.observer import Sizes
 from .noise import Noise, despiked, noise
@@ -45,17 +46,18 @@ _BLOCKS, _BLOCK = 10, 10_000
 _FEW = 50
 
 # of a recording too short for statistics
-_SHORT = Sizes(1e-3, 1e-3, 1e-3, eps_1=0.2, eps_L=0.05, eps_L3=0.1, D=0.1, D_max=0.2, U=0.1, U_max=0.3)
+_SHORT = Sizes(1e-3, 1e-3, 1e-3, 1e-3, 1e-3, eps_1=0.2, eps_L=0.05, eps_L3=0.1, D=0.1, D_max=0.2, U=0.1, U_max=0.3)
 
 
-def first_pass(y1: Array, z1: Array, z2: Array, acc: Array, T: float) -> Sizes:
+def first_pass(y: Array, z: Array, m: float, T: float) -> Sizes:
     """The sizes of a recording of finite samples.
 
-    y1: position; z1, z2: tendon lengths Φ_S⁻¹(y₂), Φ_S⁻¹(y₃); acc: (y₃ − y₂)/m; T: sampling period. If samples are not
-    equidistant, T is the median of their distances, and they are taken for equidistant: gains need no more.
+    y: what is measured (3 × n); z: tendon lengths Φ_S⁻¹(y₂), Φ_S⁻¹(y₃) (2 × n); m: mass; T: sampling period. If samples
+    are not equidistant, T is the median of their distances, and they are taken for equidistant: gains need no more.
     Of more than 100,000 samples ten blocks are looked at.
     """
-    signals, T = np.array([y1, z1, z2, acc], dtype=float), float(T)
+    # acc = R F/m
+    signals, T = np.vstack([y, z, pull(y[1:]) / m]), float(T)
     n = signals.shape[1]
     if n < _FEW:
         least = {name: max(getattr(_SHORT, name), _FASTEST * T) for name in ("eps_1", "eps_L", "eps_L3")}
@@ -67,10 +69,11 @@ def first_pass(y1: Array, z1: Array, z2: Array, acc: Array, T: float) -> Sizes:
 
 
 def _sizes(signals: Array, T: float) -> Sizes:
-    noises = [noise(signal, T) for signal in signals[:3]]
-    sigma_1, sigma_L1, sigma_L2 = (nu.sigma for nu in noises)
-    spreads = [sigma_1, sigma_L1, sigma_L2, _SPREAD * float(np.ptp(signals[3]))]
-    y1, z1, z2, acc = clean = np.array([despiked(*pair) for pair in zip(signals, spreads, strict=True)])
+    noises = [noise(signal, T) for signal in signals[:-1]]
+    sigma_1, sigma_F1, sigma_F2, sigma_L1, sigma_L2 = (nu.sigma for nu in noises)
+    # forces count as lengths and as acceleration
+    seen, spreads = signals[[0, 3, 4, 5]], [sigma_1, sigma_L1, sigma_L2, _SPREAD * float(np.ptp(signals[-1]))]
+    y1, z1, z2, acc = clean = np.array([despiked(*pair) for pair in zip(seen, spreads, strict=True)])
 
     def bounded(eps: float, slowest: float) -> float:
         return max(min(eps, slowest), _FASTEST * T)
@@ -82,11 +85,12 @@ def _sizes(signals: Array, T: float) -> Sizes:
     x1 = moved + smoothed(y1 - moved, T, eps_1)
 
     def chain(c: float, order: int) -> float:
-        first, second = (time_scale(z, order, nu, T) for z, nu in zip((z1 - x1, z2 + x1), noises[1:], strict=True))
+        first, second = (time_scale(z, order, nu, T) for z, nu in zip((z1 - x1, z2 + x1), noises[3:], strict=True))
         return bounded(c * math.sqrt(first * second), _SLOWEST_L)
 
     eps_L, eps_L3 = chain(_CL, 2), chain(_CL3, 3)
-    return Sizes(sigma_1, sigma_L1, sigma_L2, eps_1, eps_L, eps_L3, *_inputs(clean, T, eps_1, eps_L, noises[0]))
+    inputs = _inputs(clean, T, eps_1, eps_L, noises[0])
+    return Sizes(sigma_1, sigma_F1, sigma_F2, sigma_L1, sigma_L2, eps_1, eps_L, eps_L3, *inputs)
 
 
 def _inputs(signals: Array, T: float, eps_1: float, eps_L: float, noise_1: Noise) -> tuple[float, float, float, float]:
@@ -137,7 +141,7 @@ def _merged(blocks: list[Sizes]) -> Sizes:
         return float(np.max(values))
 
     how: dict[str, Callable[[Array], float]] = {
-        **dict.fromkeys(("sigma_1", "sigma_L1", "sigma_L2"), median),
+        **dict.fromkeys(("sigma_1", "sigma_F1", "sigma_F2", "sigma_L1", "sigma_L2"), median),
         **dict.fromkeys(("eps_1", "eps_L", "eps_L3"), geometric),
         **dict.fromkeys(("D", "U"), square),
         **dict.fromkeys(("D_max", "U_max"), largest),

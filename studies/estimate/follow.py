@@ -77,7 +77,10 @@ def lengths_block(bank: Bank) -> Block:
 
 
 def followed(filter_: Filter, period: float, t: Array, y: Array) -> Iterator[tuple[slice, Array, Array]]:
-    """Samples, and outputs and guards there, piece by piece; `period` is that of the substeps of the filter."""
+    """Samples, and outputs and guards there, piece by piece.
+
+    period: that of the substeps of the filter; longer steps are filled with samples in straight lines.
+    """
     for start in range(0, len(t), _CHUNK):
         piece, before = slice(start, start + _CHUNK), slice(max(0, start - 1), start + _CHUNK)
         times, values, places = _filled(t[before], y[before], period)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -12,7 +13,6 @@ from ...codegen.bank import Bank
 from ...codegen.filters import CompiledBank
 from ...model.arrays import Array
 from ...model.block import Block
-from ...model.skeleton import pull
 from ...model.symbols import MEASURED, hat
 from ...observers import OBSERVERS, PAPER, Observer
 from ...observers.tendons import LENGTHS
@@ -147,8 +147,7 @@ def _case(read: Recording, pair: MusclePair, compiled: CompiledBank, paths: Path
         )
     refuse_long_steps(read)
     z = tendon_lengths(compiled, np.array(paths.values(lengths_block(compiled.bank), s.numbers)), y)
-    # acc = R F/m
-    sizes = first_pass(y[:, 0], z[:, 0], z[:, 1], pull(y[:, 1:].T) / s.numbers["plant.m"], period)
+    sizes = first_pass(y.T, z.T, s.numbers["plant.m"], period)
     return Case(read, pair, s, tau, y, z, gaps, sizes, settings)
 
 
@@ -168,7 +167,9 @@ def _follow(
     filter_ = compiled.follow(name, np.array(numbers), steps)
     kept = len(range(len(case.tau))[case.kept])
     y, guards, place = np.empty((kept, len(block.y))), np.empty((kept, len(block.guards))), 0
-    for piece, outputs, active in followed(filter_, case.period, case.tau, case.y):
+    # what moves at samples only knows how long a step is, and needs none filled in
+    longest = math.inf if block.sampled else case.period
+    for piece, outputs, active in followed(filter_, longest, case.tau, case.y):
         chosen = slice(-piece.start % case.settings.keep_every, None, case.settings.keep_every)
         here = slice(place, place + len(outputs[chosen]))
         y[here], guards[here], place = outputs[chosen], active[chosen], here.stop

@@ -44,6 +44,8 @@ def substeps(
 def _fastest(block: Block, rates: Rates, numbers: Mapping[str, float]) -> float:
     named = rates(block.p)
     expressions = ca.vertcat(*named.values())
+    if not named:
+        return 0.0
     values = _numeric(expressions, block.p, numbers)[:, 0]
     if not np.isfinite(values).all():
         wrong = expressions[int(np.argmin(np.isfinite(values)))]

@@ -23,7 +23,8 @@ INFEASIBLE: Style = {"facecolor": "none", "edgecolor": "0.6", "hatch": "////", "
 _WIDTH = 1.1
 # an observer alone needs no dashes, and noise no width
 _ALONE: Style = {"linestyle": "-", "linewidth": 0.8}
-# Okabe and Ito's colours; dashes keep them apart in grey too, and where lines coincide the gaps show those below
+# Okabe and Ito's colours, then two of Tol's; dashes keep them apart in grey too, and where lines coincide the gaps show
+# those below
 _OBSERVERS: tuple[Style, ...] = tuple(
     {"color": color, "linestyle": dashes, "linewidth": _WIDTH, "zorder": 3 + place / 10}
     for place, (color, dashes) in enumerate(
@@ -34,6 +35,8 @@ _OBSERVERS: tuple[Style, ...] = tuple(
             ("#CC79A7", (0, (2.5, 1.5))),
             ("#D55E00", (0, (1, 1.5))),
             ("#56B4E9", (0, (5, 1.5, 1, 1.5, 1, 1.5))),
+            ("#882255", (0, (8, 1.5, 2.5, 1.5))),
+            ("#999933", (0, (2.5, 1.5, 1, 1.5, 1, 1.5))),
         )
     )
 )

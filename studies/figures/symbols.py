@@ -10,7 +10,7 @@ from ...observers import OBSERVERS, PAPER, estimator, label
 
 _GREEK = {
     "alpha": r"\alpha", "beta": r"\beta", "gamma": r"\gamma", "delta": r"\delta", "Delta": r"\Delta",
-    "eps": r"\varepsilon", "eta": r"\eta", "lambda": r"\lambda", "tau": r"\tau",
+    "eps": r"\varepsilon", "eta": r"\eta", "lambda": r"\lambda", "sigma": r"\sigma", "tau": r"\tau",
 }  # fmt: skip
 # the code needs other names than the paper where one letter means two things
 _RENAMED = {"a_dual": "a", "A_hill": "A"}

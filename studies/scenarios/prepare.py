@@ -55,10 +55,11 @@ class Prepared:
         return self.paths.value(path, self.scenario.given)
 
     def further_states(self) -> Iterator[tuple[str, str, str]]:
-        """Variable of the result, observer and state, for each state that is no estimate."""
+        """Variable of the result, observer and state, for each state that is no estimate; with a dot it is inner."""
         for block in self.loop.observers:
             if block.name in self.observers:
-                yield from ((f"{block.name}_{state}", block.name, state) for state in block.x if state not in block.y)
+                further = (state for state in block.x if state not in block.y and "." not in state)
+                yield from ((f"{block.name}_{state}", block.name, state) for state in further)
 
 
 def prepare(

@@ -12,6 +12,7 @@ from ...codegen.batch import Trace
 from ...codegen.failure import Failure
 from ...model.arrays import Array
 from ...model.symbols import MEASURED, QUANTITIES, SIGNALS, STATES, hat
+from ...observers.spread import SPREADS, sd
 from ..files.versions import versions
 from ..scenarios.paths import RUN, block_paths
 from ..scenarios.prepare import BASELINE, Prepared
@@ -34,11 +35,18 @@ def dataset(
     signal = dict(zip(loop.truth.y, truth.y.T, strict=True))
     observers, estimators = list(prepared.observers), [*prepared.observers, BASELINE]
 
+    outputs = {block.name: list(block.y) for block in loop.observers if block.name in observers}
+
+    def told(names: Sequence[str]) -> Array:
+        """(observer, time, name) of the outputs `names`; NaN where an observer has none."""
+        unknown = np.full(n, np.nan)
+        columns = [
+            [traces[o].y[:, outputs[o].index(x)] if x in outputs[o] else unknown for x in names] for o in observers
+        ]
+        return np.array(columns).reshape(len(observers), len(names), n).transpose(0, 2, 1)
+
     def hats(names: Sequence[str]) -> Array:
-        """(observer, time, name) of the estimates of `names`."""
-        outputs = {block.name: list(block.y) for block in loop.observers}
-        columns = [traces[o].y[:, [outputs[o].index(hat(x)) for x in names]] for o in observers]
-        return np.array(columns).reshape(len(observers), n, len(names))
+        return told([hat(name) for name in names])
 
     def true(names: Sequence[str]) -> Array:
         return np.stack([signal[name] for name in names], axis=1)
@@ -55,6 +63,12 @@ def dataset(
         "a_hat": (("observer", "time", "muscle"), hats(("a1", "a2")), about("estimated activations, within [0, 1]")),
         "Delta_hat": (("observer", "time"), hats(("Delta",))[:, :, 0], about("estimated uncertainty")),
     }
+    if any(set(SPREADS) <= set(names) for names in outputs.values()):
+        for variable, names in (("x", STATES), ("u", ("u1", "u2")), ("a", ("a1", "a2")), ("Delta", ("Delta",))):
+            dims, _, attributes = data[f"{variable}_hat"]
+            values = told([sd(name) for name in names])
+            values = values if len(dims) == values.ndim else values[..., 0]
+            data[sd(variable)] = (dims, values, about(f"standard deviation of the {attributes['long_name']}"))
     if "r" in signal:
         data["r"] = (("time",), signal["r"], about(SIGNALS["r"].sentence))
     states = {block.name: list(block.x) for block in loop.observers}
@@ -65,8 +79,9 @@ def dataset(
     scores = {name: traces[name].score for name in estimators}
     if truth.failure:  # the sums stop with the truth, they are no measures of the run
         scores = {name: dict.fromkeys(sums, np.nan) for name, sums in scores.items()}
-    errors = {name: measures(sums, grid) for name, sums in scores.items()}
-    finer = {name: measures(sums, grid.halved()) for name, sums in halved.items()}
+    blocks = {block.name: block for block in loop.observers}
+    errors = {name: measures(sums, grid.of(blocks[name])) for name, sums in scores.items()}
+    finer = {name: measures(sums, grid.halved().of(blocks[name])) for name, sums in halved.items()}
     for measure, sentence in SENTENCES.items():
         values, at_half = (
             np.array([[of[e][measure][q] for q in QUANTITIES] for e in estimators]) for of in (errors, finer)

@@ -30,7 +30,8 @@ def measures(
 ) -> dict[str, dict[str, Array]]:
     """Measure → quantity → how well it was estimated, in one run or many on `grid`; NaN where it is not defined.
 
-    score: the sums that the kernel has taken, numbers or (runs); names: the measures.
+    grid: that of the points at which errors count. score: the sums that the kernel has taken, numbers or (runs);
+    names: the measures.
     """
     sums = {name: np.asarray(total, dtype=float) for name, total in score.items()}
     h, end = grid.h, grid.steps * grid.h

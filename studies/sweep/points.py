@@ -63,9 +63,9 @@ def run_points(
     blocks = {block.name: block for block in loop.observers}
     rows = np.empty(len(seeds), plan.row)
     for place, observer in enumerate(plan.observers):
-        outcome = outcomes[observer]
+        outcome, points = outcomes[observer], grid.of(blocks[observer])
         sums = dict(zip(loop.score.x, outcome.sums.T, strict=True))
-        for measure, by_quantity in measures(sums, grid, plan.quantities, plan.measures).items():
+        for measure, by_quantity in measures(sums, points, plan.quantities, plan.measures).items():
             rows[measure][:, place] = np.stack([by_quantity[quantity] for quantity in plan.quantities], axis=1)
         rows["failed_at"][:, place], rows["failure"][:, place] = _failures(blocks[observer], outcome, grid, names)
     rows["plant_failed_at"], rows["plant_failure"] = _failures(loop.truth, outcomes[loop.truth.name], grid, names)

@@ -36,10 +36,12 @@ GAINS = {
 
 @functools.cache
 def compiled(corrected: bool) -> CompiledBank:
-    """All observers, told tendon lengths and accelerations instead of forces."""
+    """Observers that are told tendon lengths and accelerations instead of forces."""
     u = symbols("z1 z2 acc")
     front = Block("measured", u=u, y=Symbols(y2=ca.SX(0), y3=u.acc, L_S1=u.z1, L_S2=u.z2))
-    blocks = tuple(observer.block(corrected) for observer in OBSERVERS.values())
+    blocks = tuple(
+        observer.block(corrected) for observer in (OBSERVERS[name] for name in (*SLIDING, "high_gain", "high_gain_3"))
+    )
     return CompiledBank(Bank(("y1", "z1", "z2", "acc"), front, None, blocks))
 
 

@@ -30,13 +30,21 @@ def test_a_missing_port_is_named(proportional: Block) -> None:
 
 def test_an_observer_sees_the_sensors_only(proportional: Block) -> None:
     cheat = dataclasses.replace(proportional, u=Symbols({**proportional.u, **symbols("x2")}))
-    assert conformance(cheat) == ["proportional: an observer sees t, y1, y2, y3, L_S1, L_S2 only, not x2"]
+    assert conformance(cheat) == [
+        "proportional: an observer sees t, y1, y2, y3, L_S1, L_S2, slope1, slope2 only, not x2"
+    ]
 
 
 def test_what_is_not_finite_for_a_slack_tendon_is_found(proportional: Block) -> None:
     u = proportional.u
     broken = dataclasses.replace(proportional, dx=Symbols({**proportional.dx, "x3_hat": u.y1 / u.y2}))
     assert conformance(broken)[0] == "proportional: step not finite at the measured forces 0"
+
+
+def test_what_is_not_finite_at_a_sample_is_found(proportional: Block) -> None:
+    u, dx = proportional.u, Symbols({name: rate for name, rate in proportional.dx.items() if name != "x3_hat"})
+    broken = dataclasses.replace(proportional, dx=dx, next=Symbols(x3_hat=u.y1 / u.y2))
+    assert conformance(broken)[0] == "proportional: sample not finite at the measured forces 0"
 
 
 def test_an_undescribed_parameter_is_found(proportional: Block) -> None:

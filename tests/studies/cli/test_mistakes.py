@@ -10,7 +10,7 @@ import pytest
 
 BAD = [
     ["simulate", "nothing"],
-    ["simulate", "--observer", "kalman"],
+    ["simulate", "--observer", "luenberger"],
     ["simulate", "--set", "plant.mass=1"],
     ["simulate", "--set", "plant.m=0"],
     ["simulate", "--set", "plant.m=true"],

@@ -4,12 +4,13 @@ import dataclasses
 
 import xarray as xr
 
+from hillobs.observers import OBSERVERS
 from hillobs.studies.estimate.scores import scores
 from hillobs.studies.laboratory.recording import Recording
 from places import RECORDINGS
 
 SHIPPED, MUSCLES = RECORDINGS / "dgf_smooth_noisy.csv.gz", RECORDINGS / "dgf_smooth.toml"
-ALL_OBSERVERS = ["high_gain", "high_gain_3", "sliding_mode", "adaptive_sliding_mode"]
+ALL_OBSERVERS = list(OBSERVERS)
 
 UNLIKE_MUSCLES = """
 mass = 12.0

@@ -18,8 +18,10 @@ pytestmark = pytest.mark.numerics
 
 
 def test_what_cannot_be_is_a_sentence(short: Recording) -> None:
-    with pytest.raises(ScenarioError, match=r"unknown observer 'kalman'; there are high_gain, sliding_mode, adaptive"):
-        estimate(short, MUSCLES, ["high_gain", "kalman"])
+    with pytest.raises(
+        ScenarioError, match=r"unknown observer 'luenberger'; there are high_gain, sliding_mode, adaptive"
+    ):
+        estimate(short, MUSCLES, ["high_gain", "luenberger"])
     with pytest.raises(ScenarioError, match="keep_every must be a whole number from 1 to 250,000,000, not 0"):
         estimate(short, MUSCLES, keep_every=0)
     still = dict.fromkeys(("position", "force_1", "force_2"), np.broadcast_to(0.1, 10**7))
@@ -36,7 +38,7 @@ def test_what_cannot_be_is_a_sentence(short: Recording) -> None:
         ((), 2, "Missing option '--muscles'."),
         (("--muscles", "nowhere.toml"), 2, "nowhere.toml: cannot be read: No such file or directory"),
         (("--muscles", "short.csv"), 2, "short.csv: not valid TOML"),
-        (("--muscles", str(MUSCLES), "--observer", "kalman"), 2, "unknown observer 'kalman'"),
+        (("--muscles", str(MUSCLES), "--observer", "luenberger"), 2, "unknown observer 'luenberger'"),
         (("--muscles", str(MUSCLES), "--every", "1.5"), 2, "--every must be a whole number of at least 1, not '1.5'"),
         (("--muscles", str(MUSCLES), "--set", "high_gain.eps_h=fast"), 2, "high_gain.eps_h must be a number"),
         (("--muscles", str(MUSCLES), "--map", "position=x"), 2, "short.csv: position is mapped to 'x', which is not"),

@@ -57,7 +57,7 @@ def test_what_is_written_is_read_back(noisy: xr.Dataset, command: Callable[..., 
                 assert values.tobytes() == of.values.tobytes(), quantity
     rows = (folder / "scores.csv").read_text().splitlines()
     assert rows[0] == "observer,quantity,muscle,unit,rmse,peak"
-    assert len(rows) == 1 + len(scores(noisy)) == 1 + 4 * (3 + 4 * 3)
+    assert len(rows) == 1 + len(scores(noisy)) == 1 + len(ALL_OBSERVERS) * (3 + 4 * 3)
     assert "RMSE after 1 s" in out
     # the page shows what is printed
     page = [line.split() for line in (DOCS / "estimate.md").read_text().splitlines()]

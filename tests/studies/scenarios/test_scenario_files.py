@@ -76,8 +76,8 @@ def test_a_folder_is_no_scenario(tmp_path: Path) -> None:
 
 
 def test_an_unknown_observer_is_named() -> None:
-    with pytest.raises(ScenarioError, match="unknown observer 'kalman'; there are high_gain, sliding_mode"):
-        prepare("paper-clean", ["kalman"], {})
+    with pytest.raises(ScenarioError, match="unknown observer 'luenberger'; there are high_gain, sliding_mode"):
+        prepare("paper-clean", ["luenberger"], {})
 
 
 @settings(max_examples=200, suppress_health_check=[HealthCheck.function_scoped_fixture])

@@ -51,6 +51,7 @@ REACHED = {
     "r_max": 0.1,
     "a_min": 0.9,
     "z_max": 1.001,
+    "least_slope": 1.0,
 }
 # û = 0 for ever: no limit of it is reached, and g(0) = 1 whatever its constants are
 WITHOUT_EFFECT = {
@@ -63,6 +64,8 @@ def another(path: str, own: float) -> float:
     """A value of the parameter that matters where `own` does not, or the other way round."""
     if reached := [value for name, value in REACHED.items() if f".{path}".endswith(f".{name}")]:
         return reached[0]
+    if all_paths().parameters[path].whole:
+        return own - 1
     return own * (1.01 if not all_paths().parameters[path].objection(own * 1.01) else 0.99) or 0.01
 
 

@@ -1,0 +1,36 @@
+"""What the Kalman filter estimates: the states of the pair, and a chain of derivatives for each unknown input."""
+
+from __future__ import annotations
+
+import itertools
+
+import casadi as ca
+
+from ...model.block import Symbols
+from ...model.symbols import STATES, hat
+from ..spread import entry
+
+# the longest chain: an input, its rate, the rate of that
+LONGEST = 3
+# input → its chain; the last derivative in use is driven by white noise
+CHAINS = {name: (name, f"d{name}", f"dd{name}") for name in ("Delta", "u1", "u2")}
+QUANTITIES = (*STATES, *itertools.chain(*CHAINS.values()))
+INDEX = {name: i for i, name in enumerate(QUANTITIES)}
+MEAN = tuple(hat(name) for name in QUANTITIES)
+
+# the upper triangle: a covariance is symmetric by construction
+_PAIRS = tuple(itertools.combinations_with_replacement(QUANTITIES, 2))
+ENTRIES = tuple(itertools.starmap(entry, _PAIRS))
+
+
+def covariance(entries: Symbols) -> ca.SX:
+    """The symmetric matrix (n × n) of the scalars in ENTRIES."""
+    P = ca.SX(len(QUANTITIES), len(QUANTITIES))
+    for a, b in _PAIRS:
+        P[INDEX[a], INDEX[b]] = P[INDEX[b], INDEX[a]] = entries[entry(a, b)]
+    return P
+
+
+def scalars(P: ca.SX) -> Symbols:
+    """The ENTRIES of a symmetric matrix."""
+    return Symbols({entry(a, b): P[INDEX[a], INDEX[b]] for a, b in _PAIRS})
