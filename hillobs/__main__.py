@@ -19,11 +19,18 @@ def _command_line() -> None:
     # OpenBLAS asks for memory without end, and interrupts the process if it gets no thread; our matrices are small
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     if not has_room(_LEAST):
-        print(f"hillobs: there is not enough memory: it takes {_LEAST / 1e6:.0f} MB of address space", file=sys.stderr)
-        sys.exit(2)
-    from .studies.cli.main import main as command_line  # takes a while, in which a signal may come
+        _refuse(f"there is not enough memory: it takes {_LEAST / 1e6:.0f} MB of address space")
+    try:
+        from .studies.cli.main import main as command_line  # takes a while, in which a signal may come
+    except OSError as error:  # no file may be opened any more
+        _refuse(f"{error.filename} cannot be read: {error.strerror}")
+    else:
+        command_line()
 
-    command_line()
+
+def _refuse(sentence: str) -> None:
+    print(f"hillobs: {sentence}", file=sys.stderr)
+    sys.exit(2)
 
 
 if __name__ == "__main__":

@@ -50,7 +50,13 @@ FAST = {
 GAINS = [(name, gain, value) for name, gains in NEGATIVE.items() for gain, value in gains.items()]
 ROOTS = [(name, gain, -10.0) for name, gain in NO_RATE.items()]
 STEPS = [(name, gain, value) for name, gains in FAST.items() for gain, value in gains.items()]
-STARTS = [(name, start, 1e25) for name in OBSERVERS for start in ("initial.x1_hat", "initial.x2_hat", "initial.x4_hat")]
+# some begin with what is measured
+STARTS = [
+    (name, start, 1e25)
+    for name, observer in OBSERVERS.items()
+    for start in ("initial.x1_hat", "initial.x2_hat", "initial.x4_hat")
+    if start in observer.build().parameters
+]
 
 
 def path(observer: str, gain: str) -> str:

@@ -20,19 +20,21 @@ def draw(seed: int, number: int) -> list[Layer]:
     random = Random(f"{seed}, {number}")
     (kind,) = random.choices(list(_KINDS), weights=[weight for weight, _ in _KINDS.values()])
     layers = _KINDS[kind][1](random)
-    return [*layers, *_around(random, number % FRESH == 0)]
+    # what libraries raise in Python when they get no memory and no files is for the caller
+    limits = surroundings.streams if kind == "programs" else surroundings.limits
+    return [*layers, *_around(random, number % FRESH == 0, limits)]
 
 
-def _around(random: Random, fresh: bool) -> list[Layer]:
+def _around(random: Random, fresh: bool, limits: Draw) -> list[Layer]:
     """Surroundings: some cases meet signals, limits, odd streams; each fresh one those, or an odd environment."""
     if fresh:
-        odd = random.choice((surroundings.environment, surroundings.environment, _fresh_signal, surroundings.limits))
+        odd = random.choice((surroundings.environment, surroundings.environment, _fresh_signal, limits))
         return [{**odd(random), "fresh": True}]
     share = random.random()
     if share < 0.06:
         return [surroundings.signals(random, fresh=False)]
     if share < 0.1:
-        return [{**surroundings.limits(random), "fresh": False}]
+        return [{**limits(random), "fresh": False}]
     return [{**surroundings.streams(random), "fresh": False}] if share < 0.13 else []
 
 
