@@ -32,14 +32,19 @@ def paper_loop(
     controller: Block | None = None,
     quantities: tuple[str, ...] = QUANTITIES,
     measures: tuple[str, ...] = MEASURES,
+    registered: tuple[str, ...] | None = None,
 ) -> Loop:
-    """The closed loop with all registered observers, the baseline and `custom` ones; only what is named is scored."""
+    """The closed loop with registered observers, the baseline and `custom` ones; only what is named is scored.
+
+    registered: their names, all by default, so that one library serves whatever is asked for.
+    """
     activations = not ACTIVATIONS.isdisjoint(quantities)
     truth = closed_loop(drive, curves, controller)
+    names = OBSERVERS if registered is None else registered
     return Loop(
         truth=truth if activations else replace(truth, y=truth.y.only(name for name in truth.y if name not in _UNSEEN)),
         sensors=sensors(),
-        bank=_bank(curves, tuple(OBSERVERS.values()), custom, activations),
+        bank=_bank(curves, tuple(OBSERVERS[name] for name in names), custom, activations),
         score=score(quantities, measures),
         noise=NOISE_CHANNELS,
         pulses=PULSES,

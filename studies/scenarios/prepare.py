@@ -108,7 +108,9 @@ def assemble(
     """The Blocks that run a scenario; ScenarioError for numbers that do not fit together."""
     paths = all_paths(custom, checked.curves)
     paths.check(checked.curves, checked.given)
-    loop = paper_loop(checked.drive, checked.curves, custom, None, quantities, measures)
+    # a library for a user's observer is compiled anyway: the others need not be in it
+    registered = tuple(name for name in OBSERVERS if name in observers) if custom else tuple(OBSERVERS)
+    loop = paper_loop(checked.drive, checked.curves, custom, None, quantities, measures, registered)
     prepared = Prepared(checked, loop, paths, time_grid(lambda path: paths.value(path, checked.given)), observers)
     _check_force_factors(prepared)
     _check_samples(prepared)

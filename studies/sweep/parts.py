@@ -27,8 +27,8 @@ _LARGEST_PLAN = 1_000_000_000
 # of a process and its machine
 _LONGEST_NAME = 1_000
 _PLAN, _LOCK = "plan.json", "lock"
-# what a lock says of its holder; nothing until it is written
-_HOLDER = re.compile(rb"(process \d+ on [^\x00-\x1f]*)?")
+# what a lock says of its holder, or the beginning of it, if the disk was full
+_HOLDER = re.compile("|".join(["process [^\\x00-\\x1f]*", *("process"[:n] for n in range(8))]).encode())
 # one name per part, so that none is found twice
 _PART = re.compile(r"(\d{8}|[1-9]\d{8,})\.part", re.ASCII)
 # nobody else may read or write them
