@@ -1,34 +1,27 @@
-"""The gain rule: scaling laws, the closed form, noise that is known, gains that are always sane, a recording."""
+"""The gain rule: scaling laws, gains that are always sane, observers with these gains, a recording."""
 
 import dataclasses
 import functools
 import math
-from collections.abc import Mapping
 
 import casadi as ca
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.signal import butter, lfilter
 
 from hillobs.codegen.bank import Bank
 from hillobs.codegen.filters import CompiledBank
-from hillobs.model.block import Block, Parameter, Symbols, symbols
-from hillobs.observers import OBSERVERS, Observer
+from hillobs.model.block import Block, Symbols, symbols
+from hillobs.observers import OBSERVERS
 from hillobs.observers.adaptive_sliding_mode import PARAMETERS as ADAPTIVE
 from hillobs.observers.observer import Sizes
 from hillobs.observers.slopes import SLOPES
 from hillobs.studies.estimate.first_pass import first_pass
-from hillobs.studies.estimate.noise import despiked, noise
-from hillobs.studies.estimate.substeps import substeps
-from hillobs.studies.estimate.timescales import smoothed, twice_integrated
-from hillobs.studies.files.errors import ScenarioError
-from hillobs.studies.scenarios.paths import paths_of
+from known_motion import SIGMA, block_of, looked_at, recorded, rms, steps
 from places import DATA
 
 EXCERPT = DATA / "gains_dgf_random_noisy.csv"
-SIGMA = (1e-3, 4e-4, 4e-4)
 MOST_STEPS = {
     "high_gain": 2,
     "high_gain_3": 2,
@@ -40,124 +33,6 @@ MOST_STEPS = {
 # those that take a length without asking how stiff the tendon is
 TOLD = [name for name, observer in OBSERVERS.items() if not set(observer.build().u) & set(SLOPES)]
 SLIDING = ("sliding_mode", "adaptive_sliding_mode")
-# amplitudes and frequencies of Δ_Φ, u₁, u₂, each a sum of sines
-MOTION = {
-    "Delta": ((0.1, 0.5), (0.05, 0.9)),
-    "u1": ((0.1, 0.6), (0.06, 1.1)),
-    "u2": ((0.12, 0.45), (0.05, 1.3)),
-}
-
-
-def looked_at(y: np.ndarray, T: float) -> Sizes:
-    """The first pass over y1, z1, z2, acc of a mass of 1 that no force but one pulls."""
-    y1, z1, z2, acc = y
-    return first_pass(np.array([y1, 0 * acc, acc]), np.array([z1, z2]), 1.0, T)
-
-
-def sines(terms: tuple[tuple[float, float], ...], t: np.ndarray, derivative: int) -> np.ndarray:
-    return sum(a * w**derivative * np.sin(w * t + derivative * math.pi / 2) for a, w in terms)
-
-
-def rms(signal: np.ndarray) -> float:
-    return float(np.sqrt(np.mean(signal**2)))
-
-
-def recorded(
-    T: float = 0.05, duration: float = 100, sigma: tuple[float, float, float] = SIGMA, seed: int = 1
-) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """y1, z1, z2, acc of a motion whose Δ, u₁, u₂ are known; and the truth."""
-    t = np.arange(0, duration, T)
-    x1 = 3 + 0.2 * np.sin(0.7 * t)
-    truth = {"x2": 0.14 * np.cos(0.7 * t), **{name: sines(terms, t, 0) for name, terms in MOTION.items()}}
-    clean = [x1, x1 - 1 + sines(MOTION["u1"], t, -1), 5 - x1 + sines(MOTION["u2"], t, -1)]
-    noises = np.random.default_rng(seed).normal(size=(3, len(t))) * np.array(sigma)[:, None]
-    acc = -0.098 * np.sin(0.7 * t) - truth["Delta"]
-    return np.array([*(np.array(clean) + noises), acc]), truth
-
-
-# noise
-
-
-def test_white_noise_is_measured_whatever_lies_under_it() -> None:
-    y, _ = recorded(duration=200)
-    for signal, sigma in zip(y, SIGMA, strict=False):
-        found = noise(signal, 0.05)
-        assert found.sigma == pytest.approx(sigma, rel=0.2)
-        assert found.correlation == 1
-
-
-def test_noise_of_a_hardware_filter_is_noise_and_its_length_is_found() -> None:
-    # a Butterworth filter of a tenth of the sampling rate
-    together = lfilter(*butter(2, 0.2), np.random.default_rng(2).normal(size=20_000))
-    together /= together.std()
-    t = np.arange(20_000) * 0.01
-    found = noise(3 + 0.2 * np.sin(t) + 1e-3 * together, 0.01)
-    assert found.sigma == pytest.approx(1e-3, rel=0.2)
-    assert 2 <= found.correlation <= 8
-    # from sample to sample it shows a fraction of itself
-    assert noise(1e-3 * together, 1.0).sigma < 0.5e-3
-
-
-def test_a_signal_without_noise_has_none() -> None:
-    assert noise(np.sin(np.arange(0, 20, 0.01)), 0.01).sigma < 1e-9
-
-
-def test_rounding_is_noise() -> None:
-    t = np.arange(0, 50, 0.01)
-    step = 1e-3
-    found = noise(np.round(0.1 * np.sin(0.3 * t) / step) * step, 0.01)
-    assert step / math.sqrt(12) * 0.999 <= found.sigma <= step
-
-
-def test_single_wild_samples_go_and_many_stay() -> None:
-    t = np.arange(0, 20, 0.01)
-    signal = np.sin(t)
-    wild = signal.copy()
-    wild[[100, 700, 1500]] += 1
-    np.testing.assert_allclose(despiked(wild, 1e-3), signal, atol=0.01)
-    wild[::20] += 1
-    np.testing.assert_array_equal(despiked(wild, 1e-3), wild)
-
-
-# time scales
-
-
-def test_a_linear_acceleration_is_integrated_exactly() -> None:
-    T = 0.3
-    t = np.arange(0, 6, T)
-    np.testing.assert_allclose(twice_integrated(2 - 3 * t, T), t**2 - t**3 / 2, atol=1e-11)
-
-
-def test_smoothing_keeps_lines_and_has_no_lag() -> None:
-    t = np.arange(0, 40 * math.pi + 1e-9, math.pi / 200)
-    np.testing.assert_allclose(smoothed(3 - 2 * t, 0.1, 1.0), 3 - 2 * t, atol=1e-9)
-    # sin is odd at both ends, so the filter only scales it: 1/(1 + (ωτ)²)² twice over
-    np.testing.assert_allclose(smoothed(np.sin(t), math.pi / 200, 0.5), np.sin(t) / 1.25**2, atol=1e-3)
-    assert rms(smoothed(np.random.default_rng(3).normal(size=5000), 0.01, 0.5)[300:-300]) < 0.1
-
-
-def test_the_closed_form_agrees() -> None:
-    T = 0.05
-    t = np.arange(0, 100, T)
-    sizes = looked_at(recorded(T)[0], T)
-    rates = {name: rms(sines(terms, t, 1)) for name, terms in MOTION.items()}
-    accelerations = {name: rms(sines(terms, t, 2)) for name, terms in MOTION.items()}
-    u, du = (math.sqrt(found["u1"] * found["u2"]) for found in (rates, accelerations))
-    assert sizes.eps_1 == pytest.approx(0.72 * (SIGMA[0] ** 2 * T / rates["Delta"] ** 2) ** (1 / 7), rel=0.2)
-    assert sizes.eps_L == pytest.approx(0.585 * (SIGMA[1] ** 2 * T / u**2) ** (1 / 5), rel=0.2)
-    assert sizes.eps_L3 == pytest.approx(0.72 * (SIGMA[1] ** 2 * T / du**2) ** (1 / 7), rel=0.2)
-
-
-def test_the_sizes_are_those_of_the_motion() -> None:
-    y, truth = recorded()
-    sizes = looked_at(y, 0.05)
-    assert sizes.D == pytest.approx(rms(truth["Delta"]), rel=0.1)
-    assert sizes.D_max == pytest.approx(np.abs(truth["Delta"]).max(), rel=0.25)
-    assert sizes.U == pytest.approx(rms(np.array([truth["u1"], truth["u2"]])), rel=0.1)
-    assert sizes.U_max == pytest.approx(max(np.abs(truth["u1"]).max(), np.abs(truth["u2"]).max()), rel=0.25)
-
-
-# scaling laws
 
 
 @pytest.mark.parametrize("scale", [0.5, 3.0])
@@ -192,21 +67,6 @@ def test_a_long_recording_is_judged_by_its_blocks() -> None:
     one, other = looked_at(recorded(duration=400)[0], 0.05), looked_at(y, 0.05)
     for name, value in dataclasses.asdict(one).items():
         assert getattr(other, name) == pytest.approx(value, rel=0.1), name
-
-
-# gains that are always sane
-
-
-@functools.cache
-def block_of(observer: str) -> Block:
-    return OBSERVERS[observer].block(corrected=True)
-
-
-def steps(observer: str, given: Mapping[str, float], T: float) -> int:
-    """Substeps with these numbers (name → value), whatever shares one of them, and defaults."""
-    block = block_of(observer)
-    values = paths_of([block]).values(block, {f"{observer}.{name}": value for name, value in given.items()})
-    return substeps(OBSERVERS[observer], block, dict(zip(block.p, values, strict=True)), {}, T)
 
 
 def assert_sane(sizes: Sizes, T: float) -> None:
@@ -295,91 +155,6 @@ def test_larger_unknown_inputs_raise_the_levels() -> None:
         assert adaptive["k_max"] >= 1.5 * one.U_max
 
 
-# substeps
-
-
-def rk4(z: np.ndarray) -> np.ndarray:
-    return np.abs(1 + z + z**2 / 2 + z**3 / 6 + z**4 / 24)
-
-
-@given(
-    pair=st.tuples(st.floats(0.05, 5), st.floats(0, 5)),
-    real=st.floats(0.05, 5),
-    eps=st.floats(0.01, 1),
-    T=st.floats(0.01, 1),
-)
-def test_with_any_stable_injections_the_steps_of_the_high_gain_observer_are_stable(
-    pair: tuple[float, float], real: float, eps: float, T: float
-) -> None:
-    poles = np.array([complex(-pair[0], pair[1]), complex(-pair[0], -pair[1]), -real])
-    h11, h12, h13 = np.poly(poles)[1:].real
-    given = {"h11": h11, "h12": h12, "h13": h13, "eps_h": eps, "eps_L": 10.0}
-    n = steps("high_gain", given, T)
-    assert (rk4(poles / eps * T / n) < 1).all()
-
-
-def test_gains_by_hand_are_what_counts() -> None:
-    T = 0.01
-    # 1.1/0.01/2.5, with the second layer following the first
-    assert steps("sliding_mode", {"delta_s": 0.001}, T) == 5
-    assert steps("sliding_mode", {"delta_s": 0.001, "delta_L": 0.1}, T) == 2
-    assert steps("adaptive_sliding_mode", {}, T) == math.ceil((20 + 0.5) / 0.01 * T / 2.5)
-    assert steps("high_gain", {"eps_h": 0.001}, T) == math.ceil(T / 0.75e-3)
-    assert steps("high_gain_3", {"eps_L": 0.002}, T) == math.ceil(T / 1.5e-3)
-
-
-@pytest.mark.parametrize(
-    ("observer", "given", "words"),
-    [
-        ("sliding_mode", {"delta_L": 0.0}, "sliding_mode.delta_L = 0 has no fastest rate"),
-        (
-            "adaptive_sliding_mode",
-            {"l0": 0.0, "delta_1": 0.0},
-            "l0 and adaptive_sliding_mode.delta_1 = 0 has no fastest",
-        ),
-        ("sliding_mode", {"tau_s": 1e-9}, "too fast for samples 0.01 apart"),
-        ("high_gain", {"eps_h": 5e-324}, "too fast for samples 0.01 apart: they ask for inf steps"),
-    ],
-)
-def test_gains_that_no_steps_can_follow_are_refused(observer: str, given: dict[str, float], words: str) -> None:
-    with pytest.raises(ScenarioError, match=words):
-        steps(observer, given, 0.01)
-
-
-def linear(A: np.ndarray) -> Block:
-    """ẋ = A x, whose start depends on a number and on what is seen."""
-    x, u = symbols(f"x{i}" for i in range(len(A))), symbols("y1")
-    parameters = {"factor": Parameter(1.0, "of all rates", "this test")}
-    p = symbols(parameters)
-    dx = Symbols(zip(x, ca.vertsplit(p.factor * ca.DM(A) @ x.vector()), strict=True))
-    return Block("linear", x=x, u=u, p=p, parameters=parameters, dx=dx, x0=Symbols(x0=p.factor * u.y1))
-
-
-@pytest.mark.parametrize("rates", [(-3.0, -80.0), (-3.0, 2.0), (0.0, 0.0)])
-def test_an_observer_that_tells_no_rates_is_as_fast_as_its_largest_eigenvalue(rates: tuple[float, float]) -> None:
-    turn = np.array([[3.0, 1.0], [-1.0, 2.0]])
-    block = linear(turn @ np.diag(rates) @ np.linalg.inv(turn))
-    unregistered, T = Observer("mine", lambda: block), 0.1
-    for factor in (1.0, 7.0):
-        n = substeps(unregistered, block, {"factor": factor}, {"y1": 2.6}, T)
-        assert n == max(1, math.ceil(factor * max(map(abs, rates)) * T / 2.5 - 1e-6))
-    turning = linear(np.array([[0.0, 40.0], [-40.0, 0.0]]))
-    assert substeps(unregistered, turning, {"factor": 1.0}, {"y1": 2.6}, T) == 2
-
-
-def test_the_slope_where_it_starts_counts() -> None:
-    block = linear(-np.eye(1))
-    curved = dataclasses.replace(block, dx=Symbols(x0=-(block.x.x0**3)))
-    # ∂ẋ/∂x = −3x², x(0) = y₁
-    assert substeps(Observer("mine", lambda: curved), curved, {"factor": 1.0}, {"y1": 10.0}, 0.1) == 12
-    wild = dataclasses.replace(block, dx=Symbols(x0=ca.sqrt(block.x.x0)))
-    with pytest.raises(ScenarioError, match=r"linear are too fast .* nan steps"):
-        substeps(Observer("mine", lambda: wild), wild, {"factor": 1.0}, {"y1": -1.0}, 0.1)
-
-
-# observers with these gains
-
-
 @functools.cache
 def followers() -> CompiledBank:
     u = symbols("z1 z2 acc")
@@ -424,9 +199,6 @@ def test_all_observers_are_about_as_good() -> None:
         assert found[observer]["x2"] < 1.5 * found["high_gain"]["x2"] < 0.01, observer
         for name in ("u1", "u2"):
             assert found[observer][name] < 1.5 * found["high_gain"][name] < 0.05, observer
-
-
-# a recording
 
 
 def tendon_length(force: np.ndarray) -> np.ndarray:

@@ -31,4 +31,4 @@ def test_any_text_as_a_change_is_a_number_or_a_sentence(text: str) -> None:
 
 def test_a_path_is_a_text() -> None:
     with pytest.raises(ScenarioError, match=r"a name in changes must be a text such as plant\.m, not 3"):
-        simulate("paper-clean", changes={3: 1.0})  # type: ignore[dict-item]
+        simulate("paper-clean", changes={3: 1.0})  # type: ignore[dict-item]  the mistake under test
