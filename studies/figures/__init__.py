@@ -29,6 +29,6 @@ if "matplotlib" not in sys.modules:
     logging.getLogger("matplotlib").setLevel(logging.ERROR)
     with _without_settings():
         try:
-            import matplotlib.font_manager  # noqa: F401
+            import matplotlib.font_manager  # noqa: F401  for what it does: it lists the fonts
         except (OSError, ValueError) as error:
             raise ResultError(f"matplotlib cannot be loaded: {error}; is ./matplotlibrc broken?") from error

@@ -27,8 +27,8 @@ _LARGEST_PLAN = 1_000_000_000
 # of a process and its machine
 _LONGEST_NAME = 1_000
 _PLAN, _LOCK = "plan.json", "lock"
-# what a lock says of its holder, or the beginning of it, if the disk was full
-_HOLDER = re.compile("|".join(["process [^\\x00-\\x1f]*", *("process"[:n] for n in range(8))]).encode())
+# what a lock says of its holder
+_HOLDER = re.compile(rb"process [^\x00-\x1f]*")
 # one name per part, so that none is found twice
 _PART = re.compile(r"(\d{8}|[1-9]\d{8,})\.part", re.ASCII)
 # nobody else may read or write them
@@ -150,7 +150,9 @@ class Parts:
                 raise DistrustError(f"holds {name}, which hillobs has not written there")
             if not is_file:
                 raise DistrustError(f"holds {name}, which is no file")
-        if not _HOLDER.fullmatch(self._read(_LOCK, _LONGEST_NAME) or b""):
+        said = self._read(_LOCK, _LONGEST_NAME) or b""
+        # a full disk may have cut it short
+        if not _HOLDER.fullmatch(said) and not b"process ".startswith(said):
             raise DistrustError(f"holds {_LOCK}, which hillobs has not written there")
         # the plan first: it is the smallest
         telling = sorted((name for name in names if name == _PLAN or _PART.fullmatch(name)), reverse=True)

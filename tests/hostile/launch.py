@@ -24,7 +24,7 @@ def main() -> None:
     start = partial(runpy.run_module, "hillobs", run_name="__main__", alter_sys=True)
     if case["limits"]:
         # a limit that lets nothing be imported says nothing of ours
-        import hillobs.studies.cli.simulate  # noqa: F401
+        import hillobs.studies.cli.simulate  # noqa: F401  loaded, so that the limit meets the command
         from hillobs.__main__ import main as start
 
         limit(case["limits"])

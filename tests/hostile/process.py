@@ -21,7 +21,7 @@ import matplotlib
 from forks import exit_code, redirect
 from hostile.calls import limit, run_program, strike_at_calls, teller
 from hostile.case import Case
-from hostile.sandbox import HOME, TEMPORARY, WORK
+from hostile.sandbox import DESK, HOME, TEMPORARY
 
 # seconds; nothing that is drawn takes a tenth of it
 GUARD = 60.0
@@ -96,7 +96,7 @@ def _become(case: Case, box: Path, pipes: Mapping[str, int]) -> None:
     sys.dont_write_bytecode = True  # as in the surroundings, which Python has read already
     os.setsid()
     _hear_signals()
-    os.chdir(box / WORK)
+    os.chdir(box / DESK)
     sys.argv = ["hillobs", *case.words]
     surroundings = _surroundings(case, box)
     os.environ.clear()
@@ -124,7 +124,7 @@ def _afresh(case: Case, box: Path, pipes: Mapping[str, int]) -> int:
 
     started = subprocess.Popen(
         [sys.executable, str(_LAUNCH), str(pipes["report"]), asked],
-        cwd=box / WORK,
+        cwd=box / DESK,
         env=_surroundings(case, box),
         stdin=subprocess.DEVNULL,
         stdout=pipes["stdout"],

@@ -19,7 +19,7 @@ _NUMBERS = {"stdout": "", "stderr": "2"}
 
 def recipe(case: Case) -> Iterator[str]:
     """The lines; what a shell cannot do is a remark."""
-    yield "mkdir -p BOX/{work,home,tmp,other} && cd BOX/work && echo 'dear reader' > ../other/letter.txt"
+    yield "mkdir -p BOX/{desk,home,tmp,other} && cd BOX/desk && echo 'dear reader' > ../other/letter.txt"
     for name, entry in case.files.items():
         yield from _file(name, entry)
     for name, at in case.signals:

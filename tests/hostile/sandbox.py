@@ -18,12 +18,12 @@ from places import RECORDINGS
 SEAL = len(sealed(b""))
 
 # where a case works, has its home and its temporary files; `other` belongs to nobody here
-WORK, HOME, TEMPORARY, OTHER = "work", "home", "tmp", "other"
+DESK, HOME, TEMPORARY, OTHER = "desk", "home", "tmp", "other"
 _PRECIOUS = {
     f"{OTHER}/letter.txt": "dear reader\n",
     f"{OTHER}/.hidden": "a dot file\n",
     f"{HOME}/.profile": "umask 022\n",
-    f"{WORK}/my.csv": "t,x\n0,1\n",
+    f"{DESK}/my.csv": "t,x\n0,1\n",
 }
 # so that a file that is written again with the same content is noticed
 _LONG_AGO = 1_000_000_000
@@ -40,12 +40,12 @@ def lay(box: Path, files: Mapping[str, Mapping[str, Any]], result: Callable[[str
     A result may have edits (place from 0 to 1, and bytes as hex), cut (what is left of it), and seal (whether it is
     sealed again, as a forger would).
     """
-    for name in (WORK, HOME, TEMPORARY, OTHER):
+    for name in (DESK, HOME, TEMPORARY, OTHER):
         (box / name).mkdir()
     for name, text in _PRECIOUS.items():
         (box / name).write_text(text)
     for name, entry in files.items():
-        path = os.path.join(box, WORK, name)
+        path = os.path.join(box, DESK, name)
         os.makedirs(os.path.dirname(path), exist_ok=True)
         _put(path, entry, result)
         if "mode" in entry:

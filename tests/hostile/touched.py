@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from hostile.case import Case
-from hostile.sandbox import TEMPORARY, WORK, Snapshot
+from hostile.sandbox import DESK, TEMPORARY, Snapshot
 
 _USUAL = {"simulate": "results", "estimate": "estimates", "observability": "results", "curves": "results"}
 
@@ -20,9 +20,9 @@ def may_write(case: Case, box: Path) -> list[str]:
 
 
 def _results(case: Case, box: Path) -> list[str]:
-    work = os.path.join(box, WORK)
+    desk = os.path.join(box, DESK)
     if case.python:
-        return [_from(box, os.path.join(work, name)) for name in case.writes]
+        return [_from(box, os.path.join(desk, name)) for name in case.writes]
     verb = case.words[0] if case.words else ""
     out = _option(case.words, "--out")
     if verb == "figures" and out is None:
@@ -31,7 +31,7 @@ def _results(case: Case, box: Path) -> list[str]:
     if out is None or "\0" in out:
         return []
     # a folder may be a link: it is what the user has named
-    place = os.path.realpath(os.path.join(work, out)) if verb != "sweep" else _beside_link(work, out)
+    place = os.path.realpath(os.path.join(desk, out)) if verb != "sweep" else _beside_link(desk, out)
     if verb != "sweep":
         return [_from(box, place)]
     written = os.path.join(os.path.dirname(place), f".hillobs-{os.geteuid()}")  # the list of what is ours there
@@ -39,9 +39,9 @@ def _results(case: Case, box: Path) -> list[str]:
     return [_from(box, name) for name in names]
 
 
-def _beside_link(work: str, out: str) -> str:
+def _beside_link(desk: str, out: str) -> str:
     """The name of a result: its folder is followed, it itself is not."""
-    whole = os.path.join(work, out)
+    whole = os.path.join(desk, out)
     return os.path.join(os.path.realpath(os.path.dirname(whole)), os.path.basename(whole))
 
 

@@ -15,7 +15,7 @@ from hostile.case import Case
 from hostile.oracle import violations
 from hostile.process import Ending, run
 from hostile.results import result
-from hostile.sandbox import WORK, lay, remove, snapshot
+from hostile.sandbox import DESK, lay, remove, snapshot
 from hostile.touched import may_write, wrongly_touched
 
 # how long something took, and whether something had to be compiled, differs from time to time
@@ -63,7 +63,7 @@ def _once(case: Case, box: Path) -> tuple[Ending, list[str], dict[str, bytes]]:
     before, allowed = snapshot(box), may_write(case, box)
     ending = run(case, box)
     after = snapshot(box)
-    made = {os.path.normpath(os.path.join(WORK, name)) for name, entry in case.files.items() if "result" in entry}
+    made = {os.path.normpath(os.path.join(DESK, name)) for name, entry in case.files.items() if "result" in entry}
     inside = {name for name in before if any(name == place for place in allowed)}
     wrong = list(wrongly_touched(before, after, allowed, made & inside))
     written = [box / name for name, now in after.items() if now[0] == "file" and before.get(name) != now]
