@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from .studies.conformance import conformance
     from .studies.estimate.run import estimate
     from .studies.estimate.schema import arguments
+    from .studies.files.datasets.netcdf import load
     from .studies.files.errors import ClusterError, RecordingError, ResultError, ScenarioError
-    from .studies.files.results.netcdf import load
     from .studies.files.versions import __version__
     from .studies.laboratory.muscles import Muscle, MusclePair, read_muscles
     from .studies.laboratory.recording import Recording, read_recording
@@ -41,7 +41,7 @@ _NAMES = {
     ".studies.estimate.run": ("estimate",),
     ".studies.estimate.schema": ("arguments",),
     ".studies.files.errors": ("ClusterError", "RecordingError", "ResultError", "ScenarioError"),
-    ".studies.files.results.netcdf": ("load",),
+    ".studies.files.datasets.netcdf": ("load",),
     ".studies.files.versions": ("__version__",),
     ".studies.laboratory.muscles": ("Muscle", "MusclePair", "read_muscles"),
     ".studies.laboratory.recording": ("Recording", "read_recording"),

@@ -12,8 +12,8 @@ from ..figures.muscle_curves import curve_figure
 from ..figures.page import write_figures
 from ..figures.run import save_figures
 from ..figures.sweep.figures import save_sweep_figures
+from ..files.datasets.netcdf import load
 from ..files.errors import ResultError
-from ..files.results.netcdf import load
 from ..files.writing import writable_folder
 from ..simulate.schema import check_run
 from ..sweep.schema import check_sweep

@@ -13,10 +13,10 @@ import xarray as xr
 from ...observers.observability import TOLERANCE
 from ..figures.observability import along_figure, map_figure
 from ..figures.page import figure_paths, write_figures
+from ..files.datasets.netcdf import save_netcdf
 from ..files.errors import ScenarioError
 from ..files.numbers import parse_number
 from ..files.quote import shown
-from ..files.results.netcdf import save_netcdf
 from ..files.writing import refuse_overwriting, writable_folder
 from ..observability.map import along as rank_along
 from ..observability.map import axis_ranges, over

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import xarray as xr
 
-from ..files.results.netcdf import save_netcdf
+from ..files.datasets.netcdf import save_netcdf
 from ..files.tables import Series, write_csv, write_sto
 from ..files.writing import refuse_overwriting, refuse_read, remove_ours, write_whole
 from ..laboratory.columns import OPENSIM

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from ..files.datasets.schema import FLOATS, TEXTS, WHOLES, Schema, read_json, rising
 from ..files.errors import ResultError
-from ..files.results.schema import FLOATS, TEXTS, WHOLES, Schema, read_json, rising
 from ..laboratory.muscles import muscle_pair
 from .dataset import PER_MUSCLE, TRUE
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import xarray as xr
 
 from ...model.symbols import MEASURED, STATES, hat
-from ..files.results.netcdf import save_netcdf
+from ..files.datasets.netcdf import save_netcdf
 from ..files.tables import Series, csv_text, or_empty, write_csv
 from ..files.writing import write_whole
 from .measures import SENTENCES

@@ -8,9 +8,9 @@ import xarray as xr
 
 from ...model.curves import Curves, by_muscle
 from ...model.symbols import MEASURED, STATES
+from ..files.datasets.schema import FLOATS, TEXTS, WHOLES, Schema, rising
 from ..files.errors import ResultError, ScenarioError
 from ..files.numbers import within
-from ..files.results.schema import FLOATS, TEXTS, WHOLES, Schema, rising
 from ..scenarios.scenario import CHOICES, curves_of
 
 _TIME, _BY_OBSERVER = ("time",), ("observer", "time")

@@ -15,9 +15,9 @@ import numpy as np
 
 from ...codegen.system.locks import take
 from ...codegen.system.trust import DistrustError, open_folder, read_trusted
+from ..files.datasets.netcdf import sealed, unsealed
 from ..files.errors import ResultError
 from ..files.reading import cause
-from ..files.results.netcdf import sealed, unsealed
 from ..files.writing import opened, temporary_file, temporary_prefix
 from .row import Rows
 

@@ -16,11 +16,11 @@ from ...codegen.toolchain import NATIVE, PORTABLE
 from ...model.block import Block
 from ...model.symbols import QUANTITIES
 from ...observers.score import MEASURES
+from ..files.datasets.netcdf import LARGEST_RESULT, load, netcdf
 from ..files.errors import ResultError, ScenarioError
 from ..files.numbers import whole
 from ..files.progress import CountedProgress, unseen
 from ..files.reading import cause
-from ..files.results.netcdf import LARGEST_RESULT, load, netcdf
 from ..scenarios.layers import Value
 from ..simulate.run import recorded
 from .axes import Values

@@ -7,10 +7,10 @@ import xarray as xr
 
 from ...model.symbols import QUANTITIES
 from ...observers.score import MEASURES
+from ..files.datasets.schema import FLAGS, FLOATS, TEXTS, WHOLES, Schema
 from ..files.errors import ResultError, ScenarioError
 from ..files.numbers import number
 from ..files.quote import shown
-from ..files.results.schema import FLAGS, FLOATS, TEXTS, WHOLES, Schema
 from .axes import KINDS
 
 # the square of a larger one is no number

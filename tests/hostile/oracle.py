@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from hillobs.model.errors import Error
-from hillobs.studies.files.results.netcdf import load
+from hillobs.studies.files.datasets.netcdf import load
 from hostile.case import Case
 from hostile.nonsense import lost, nonsense_in
 from hostile.process import Ending

@@ -10,7 +10,7 @@ from pathlib import Path
 import h5py
 
 import hillobs
-from hillobs.studies.files.results.netcdf import save_netcdf, sealed
+from hillobs.studies.files.datasets.netcdf import save_netcdf, sealed
 from places import RECORDINGS
 
 SHORT = {"duration": 0.2, "score.start": 0.1}

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from hillobs.studies.files.results.netcdf import sealed
+from hillobs.studies.files.datasets.netcdf import sealed
 from places import RECORDINGS
 
 # bytes of the seal at the end of a result

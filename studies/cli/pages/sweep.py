@@ -9,7 +9,7 @@ from ....observers import PAPER
 from ...figures.page import figure_paths, write_figures
 from ...figures.sweep.curves import curves
 from ...figures.sweep.figures import SHOWN, save_sweep_figures, sweep_figure_paths
-from ...files.results.netcdf import save_netcdf
+from ...files.datasets.netcdf import save_netcdf
 from ...files.writing import refuse_overwriting, writable_folder
 from ...sweep.axes import Range, axes
 from ...sweep.run import sweep

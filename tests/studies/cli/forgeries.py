@@ -9,7 +9,7 @@ import h5py
 import numpy as np
 import xarray as xr
 
-from hillobs.studies.files.results.netcdf import sealed
+from hillobs.studies.files.datasets.netcdf import sealed
 
 Mutation = Callable[[xr.Dataset], xr.Dataset]
 

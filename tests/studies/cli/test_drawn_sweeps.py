@@ -4,7 +4,7 @@ from pathlib import Path
 
 import xarray as xr
 
-from hillobs.studies.files.results.netcdf import save_netcdf
+from hillobs.studies.files.datasets.netcdf import save_netcdf
 from places import contents
 
 SWEEP = ["sweep", "paper-noisy", "--set", "duration=0.2", "--set", "score.start=0.05", "--seeds", "2"]

@@ -12,7 +12,7 @@ from forgeries import CONTAINERS, mutations, rebuilt
 from hillobs import Error, ResultError, arguments, estimate, load, simulate
 from hillobs.studies.cli.reports import sweep as report
 from hillobs.studies.estimate.schema import check_estimates
-from hillobs.studies.files.results.netcdf import save_netcdf, unsealed
+from hillobs.studies.files.datasets.netcdf import save_netcdf, unsealed
 from hillobs.studies.simulate.schema import check_run
 from hillobs.studies.sweep.schema import check_sweep
 from places import RECORDINGS

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from forks import TINY
-from hillobs.studies.files.results.netcdf import LARGEST_RESULT
+from hillobs.studies.files.datasets.netcdf import LARGEST_RESULT
 from hillobs.studies.sweep import plan
 
 NUMBER = "must be a number, not"

@@ -8,7 +8,7 @@ import xarray as xr
 
 from hillobs.studies.estimate.run import estimate
 from hillobs.studies.estimate.schema import arguments as again
-from hillobs.studies.files.results.netcdf import load, save_netcdf
+from hillobs.studies.files.datasets.netcdf import load, save_netcdf
 from hillobs.studies.laboratory.muscles import read_muscles
 from places import DATA
 from shipped_recording import MUSCLES, SHIPPED, UNLIKE_MUSCLES

@@ -12,7 +12,7 @@ from hillobs.studies.estimate.files import save_estimates
 from hillobs.studies.estimate.run import estimate
 from hillobs.studies.estimate.scores import scores
 from hillobs.studies.figures.estimate import estimate_sheet
-from hillobs.studies.files.results.netcdf import load
+from hillobs.studies.files.datasets.netcdf import load
 from hillobs.studies.files.tables import Series, write_csv
 from hillobs.studies.laboratory.recording import Recording, read_recording
 from places import DOCS, contents

@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from hillobs.studies.files.datasets.netcdf import load
 from hillobs.studies.files.errors import ResultError, ScenarioError
-from hillobs.studies.files.results.netcdf import load
 from hillobs.studies.files.writing import writable_folder, write_whole
 from hillobs.studies.scenarios.prepare import prepare
 from hillobs.studies.simulate.files import measures_csv, save
@@ -152,7 +152,7 @@ import random, sys
 from pathlib import Path
 import numpy as np
 from hillobs.studies.files.errors import ResultError
-from hillobs.studies.files.results.netcdf import load
+from hillobs.studies.files.datasets.netcdf import load
 path = Path(sys.argv[1])
 good = load(path)
 raw = path.read_bytes()
@@ -237,7 +237,7 @@ import os, sys
 from pathlib import Path
 import numpy as np
 from hillobs.studies.files.errors import ResultError
-from hillobs.studies.files.results.netcdf import load
+from hillobs.studies.files.datasets.netcdf import load
 path = Path(sys.argv[1])
 good, raw = load(path), path.read_bytes()
 pattern, offset, bit = bytes.fromhex(sys.argv[2]), int(sys.argv[3]), int(sys.argv[4])
@@ -348,7 +348,7 @@ SAVE = """
 import resource, sys
 from pathlib import Path
 from hillobs.studies.files.errors import ResultError
-from hillobs.studies.files.results.netcdf import load
+from hillobs.studies.files.datasets.netcdf import load
 from hillobs.studies.simulate.files import save
 run = load(Path(sys.argv[1]))
 resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[3]),) * 2)

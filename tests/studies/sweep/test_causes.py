@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 
 from hillobs.studies.cli.reports.sweep import notes
-from hillobs.studies.files.results.netcdf import load, save_netcdf
+from hillobs.studies.files.datasets.netcdf import load, save_netcdf
 from hillobs.studies.simulate.run import simulate
 from hillobs.studies.sweep.axes import Axes
 from hillobs.studies.sweep.region import where

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import xarray as xr
 
-from hillobs.studies.files.results.netcdf import load, save_netcdf
+from hillobs.studies.files.datasets.netcdf import load, save_netcdf
 from hillobs.studies.simulate.run import simulate
 from hillobs.studies.sweep.run import sweep
 from short_sweeps import LAYER, SHORT

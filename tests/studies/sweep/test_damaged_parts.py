@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from hillobs.studies.files.datasets.netcdf import sealed
 from hillobs.studies.files.errors import ResultError
-from hillobs.studies.files.results.netcdf import sealed
 from hillobs.studies.sweep import plan as planning
 from hillobs.studies.sweep.parts import Parts
 from hillobs.studies.sweep.run import SweepWarning

@@ -11,10 +11,10 @@ import h5py
 import xarray as xr
 
 from ..errors import ResultError
-from .hdf5 import refuse_foreign
 from ..quote import escaped, short
 from ..reading import cause, read_whole
 from ..writing import write_whole
+from .hdf5 import refuse_foreign
 
 # bytes of a result, compressed or not; a million recorded points are 1 GB, 10⁸ runs with one score 4 GB
 LARGEST_RESULT = 5_000_000_000

@@ -1,0 +1,1 @@
+"""Datasets as files: NetCDF under a seal, read with the care that a stranger's file needs."""
