@@ -31,20 +31,22 @@ def draw(seed: int, number: int) -> list[Layer]:
 
 def _around(random: Random, fresh: bool, kind: str, share: float) -> list[Layer]:
     """Surroundings: a share of the cases meets signals, limits, odd streams; each fresh one, or an odd environment."""
-    # what Python says at a second signal, and libraries without memory and files, is for the caller of the façade
-    program = kind == "programs"
-    limits = surroundings.streams if program else surroundings.limits
+    # what Python says of a signal, and libraries without memory and files, is for the caller of the façade
+    if kind == "programs":
+        odd = (surroundings.environment,) if fresh else (surroundings.streams,)
+    elif fresh:
+        odd = (surroundings.environment, surroundings.environment, _fresh_signal, surroundings.limits)
+    else:
+        odd = (*[_signal] * 6, *[surroundings.limits] * 4, *[surroundings.streams] * 3)
+    return [{**random.choice(odd)(random), "fresh": fresh}] if fresh or random.random() < share else []
 
-    def signals(random: Random) -> Layer:
-        return surroundings.signals(random, fresh, twice=not program)
 
-    if fresh:
-        odd = random.choice((surroundings.environment, surroundings.environment, signals, limits))
-        return [{**odd(random), "fresh": True}]
-    if random.random() >= share:
-        return []
-    odd = random.choices((signals, limits, surroundings.streams), weights=[6, 4, 3])[0]
-    return [{**odd(random), "fresh": False}]
+def _signal(random: Random) -> Layer:
+    return surroundings.signals(random, fresh=False)
+
+
+def _fresh_signal(random: Random) -> Layer:
+    return surroundings.signals(random, fresh=True)
 
 
 def _some(random: Random, draws: list[Draw], most: int = 3) -> list[Layer]:

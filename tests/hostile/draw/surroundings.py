@@ -40,11 +40,11 @@ def environment(random: Random) -> Layer:
     return {"environment": {name: random.choice(_ENVIRONMENT[name]) for name in names}, "fresh": True}
 
 
-def signals(random: Random, fresh: bool, twice: bool) -> Layer:
-    """A signal at any call, as likely among the first ten as among the last thousands; if `twice`, now and then two."""
+def signals(random: Random, fresh: bool) -> Layer:
+    """A signal at any call, as likely among the first ten as among the last thousands; now and then a second one."""
     name, at = random.choice(_SIGNALS), int(_CALLS ** random.random())
     come = [[name, at]]
-    if twice and random.random() < 0.3:
+    if random.random() < 0.3:
         come.append([name, at + random.choice((0, 1, 5))])
     return {"signals": come, "fresh": fresh}
 
