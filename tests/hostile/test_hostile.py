@@ -11,9 +11,9 @@ from hostile.case import read_case
 from hostile.warm import Warm
 
 CORPUS = sorted((Path(__file__).parent / "corpus").glob("*.json"))
-SEED = 0
+SEED = 3
 # of the 2,000 of a seed that `make hostile` tries
-DRAWN = range(80)
+DRAWN = range(60)
 
 
 @pytest.fixture(scope="session")
