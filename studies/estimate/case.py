@@ -43,7 +43,7 @@ class Result:
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """A recording in the paper's variables: times τ (n), measurements y (n × 3), tendon lengths z (n × 2)."""
+    """A recording in the paper's variables: times τ (n), measurements y (n × 3), tendon lengths z, slopes (n × 2)."""
 
     recording: Recording
     pair: MusclePair
@@ -51,6 +51,7 @@ class Case:
     tau: Array
     y: Array
     z: Array
+    slopes: Array
     gaps: NDArray[np.bool_]
     sizes: Sizes
     settings: Settings

@@ -32,7 +32,7 @@ from .case import Case, Result, Settings
 from .conditions import gain_conditions
 from .dataset import estimate_dataset
 from .first_pass import compile_first_pass, first_pass
-from .follow import compiled_bank, followed, follower_bank, lengths_block, observers_named, tendon_lengths
+from .follow import compiled_bank, followed, follower_bank, lengths_block, measured_tendons, observers_named
 from .substeps import substeps
 
 # periods of the muscles' own time 1/v_max between samples beyond which nothing can be followed
@@ -146,9 +146,9 @@ def _case(read: Recording, pair: MusclePair, compiled: CompiledBank, paths: Path
             f"at most {_LONGEST_PERIOD / s.rate:.3g} s; is time in another unit?"
         )
     refuse_long_steps(read)
-    z = tendon_lengths(compiled, np.array(paths.values(lengths_block(compiled.bank), s.numbers)), y)
+    z, slopes = measured_tendons(compiled, np.array(paths.values(lengths_block(compiled.bank), s.numbers)), y)
     sizes = first_pass(y.T, z.T, s.numbers["plant.m"], period)
-    return Case(read, pair, s, tau, y, z, gaps, sizes, settings)
+    return Case(read, pair, s, tau, y, z, slopes, gaps, sizes, settings)
 
 
 def _follow(
