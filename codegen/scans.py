@@ -23,6 +23,7 @@ class _Scan(ctypes.Structure):
         *((name, ctypes.c_void_p) for name in ("p", "carry", "rows", "results")),
         ("n", ctypes.c_int64),
         ("backwards", ctypes.c_int64),
+        ("window", ctypes.c_int64),
     )
 
 
@@ -45,10 +46,13 @@ class Scans:
             function.name(): (index, function) for index, function in enumerate(functions)
         }
 
-    def run(self, name: str, p: ArrayLike, carry: ArrayLike, *tables: Array, backwards: bool = False) -> Scanned:
+    def run(
+        self, name: str, p: ArrayLike, carry: ArrayLike, *tables: Array, backwards: bool = False, window: int = 0
+    ) -> Scanned:
         """The function from row to row of tables of equal length; from the last to the first if `backwards`.
 
-        ValueError for sizes that are not the function's.
+        window: each row is reached from that many rows ahead, where `carry` begins anew. ValueError for sizes that are
+        not the function's.
         """
         index, function = self._functions[name]
         given = [np.array(p, dtype=float).ravel(), np.array(carry, dtype=float).ravel()]
@@ -67,6 +71,7 @@ class Scans:
                 results=results.ctypes.data,
                 n=len(rows[0]),
                 backwards=int(backwards),
+                window=window,
             ),
         )
         return Scanned(given[1], results)

@@ -7,6 +7,7 @@ struct Scan {
     const double *const *rows;
     double *results;  // n × (width of the result)
     int64_t n, backwards;
+    int64_t window;  // of a pass backwards: rows ahead, from which each row is reached anew; 0: all
 };
 
 INLINE void put(const double *from, int n, V *to) {
@@ -24,12 +25,17 @@ HILLOBS_EXPORT int hillobs_scan(int64_t index, Scan *s) {
     put(s->p, f.in[0], place[0]);
     put(s->carry, carried, place[1]);
     for (int64_t k = 0; k < s->n; ++k) {
-        const int64_t row = s->backwards ? s->n - 1 - k : k;
-        for (int r = 2; r < f.n_in; ++r) put(s->rows[r - 2] + row * f.in[r], f.in[r], place[r]);
-        if (int status = f.evaluate(arg, res, whole, work, 0)) return status;
-        for (int i = 0; i < carried; ++i) place[1][i] = res[0][i];
-        for (int i = 0; i < told; ++i) s->results[row * told + i] = lane(res[1][i], 0);
+        // each row once, or from the end of its window back to it
+        const int64_t last = s->backwards && !s->window ? s->n - 1 - k : k, end = last + s->window;
+        if (s->window) put(s->carry, carried, place[1]);
+        for (int64_t row = end < s->n ? end : s->n - 1; row >= last; --row) {
+            for (int r = 2; r < f.n_in; ++r) put(s->rows[r - 2] + row * f.in[r], f.in[r], place[r]);
+            if (int status = f.evaluate(arg, res, whole, work, 0)) return status;
+            for (int i = 0; i < carried; ++i) place[1][i] = res[0][i];
+        }
+        for (int i = 0; i < told; ++i) s->results[last * told + i] = lane(res[1][i], 0);
     }
-    for (int i = 0; i < carried; ++i) s->carry[i] = lane(place[1][i], 0);
+    if (!s->window)
+        for (int i = 0; i < carried; ++i) s->carry[i] = lane(place[1][i], 0);
     return 0;
 }

@@ -18,7 +18,7 @@ from ...model.skeleton import MASS
 from ...model.symbols import STATES, hat
 from ..activation import activation_parameters, formulas
 from ..ports import ESTIMATES
-from ..spread import FIBRES, SPREADS, sd
+from ..spread import SPREADS, sd
 from .exponential import driven
 from .inputs import PARAMETERS as OF_INPUTS
 from .inputs import SAMPLE, measurements
@@ -26,33 +26,35 @@ from .model import Measurement, Model, Move
 from .parameters import CHOSEN, NOISE
 from .states import LONGEST
 
-_CHAINS = {name: (name, f"d{name}", f"dd{name}") for name in ("Delta", "a1", "a2")}
-QUANTITIES = (*STATES, *itertools.chain(*_CHAINS.values()))
+CHAINS = {name: (name, f"d{name}", f"dd{name}") for name in ("Delta", "a1", "a2")}
+QUANTITIES = (*STATES, *itertools.chain(*CHAINS.values()))
 _INDEX = {name: i for i, name in enumerate(QUANTITIES)}
 _N = len(QUANTITIES)
 # muscle → what its activation follows from, then the activation itself
 _LAW = {1: ("x1", "x3", "a1"), 2: ("x1", "x4", "a2")}
 # of each muscle: the velocity about which the law is linear, and its slopes
 LINE = tuple(f"{name}_{j}" for j in _LAW for name in ("u", *(f"b_{of}" for of in _LAW[j])))
-_ABOUT = tuple(hat(name) for name in ("x1", "x3", "x4", "a1", "a2"))
+ABOUT = tuple(hat(name) for name in ("x1", "x3", "x4", "a1", "a2"))
 
 # velocities about which the law is linear, in the largest; slopes ∂a/∂u below this are taken for it
 _SLOWEST, _FASTEST, _LEAST_SLOPE = -1.5, 0.9, 0.02
 
-DENSITIES = {"s_D": 0.02, "s_a1": 0.06, "s_a2": 0.06, "s_x3": 0.01, "s_x4": 0.01}
+DENSITIES = ("s_D", "s_a1", "s_a2", "s_x3", "s_x4")
 PARAMETERS: Parameters = {
     **NOISE,
     "s_D": OF_INPUTS["s_D"],
     "s_a1": Parameter(0.06, "white noise that drives a₁, √ of its density", CHOSEN, above=0),
     "s_a2": Parameter(0.06, "white noise that drives a₂, √ of its density", CHOSEN, above=0),
-    "s_x3": Parameter(0.01, "white noise of ẋ₃, √ of its density: what the line through Hill's law leaves", CHOSEN, above=0),
-    "s_x4": Parameter(0.01, "white noise of ẋ₄, √ of its density: what the line through Hill's law leaves", CHOSEN, above=0),
+    "s_x3": Parameter(
+        0.01, "white noise of ẋ₃, √ of its density: what the line through Hill's law leaves", CHOSEN, above=0
+    ),
+    "s_x4": Parameter(
+        0.01, "white noise of ẋ₄, √ of its density: what the line through Hill's law leaves", CHOSEN, above=0
+    ),
     "order_D": OF_INPUTS["order_D"],
     "order_a": Parameter(
         2, "which derivative of a₁ and a₂ is the white noise", CHOSEN, least=1, most=LONGEST, whole=True
     ),
-    "start_a1": Parameter(0.1, "a₁ at the start", CHOSEN),
-    "start_a2": Parameter(0.1, "a₂ at the start", CHOSEN),
     **{name: OF_INPUTS[name] for name in ("start_sigma", "start_x2", "start_D")},
     "start_a": Parameter(0.3, "sd of a₁ and a₂ at the start", CHOSEN, above=0),
     "start_rate": OF_INPUTS["start_rate"],
@@ -105,10 +107,10 @@ def _move(was: Symbols, now: Symbols, p: Symbols) -> Move:
             A[row, _INDEX[of]] += slope
         for w, rest in zip(ends, rests, strict=True):
             w[row] = rest
-    for chain in _CHAINS.values():
+    for chain in CHAINS.values():
         for before, after in itertools.pairwise(chain):
             A[_INDEX[before], _INDEX[after]] = 1
-    F, b = driven(A, *ends, T)
+    F, b = driven(A, ends[0], ends[1], T)
     return Move([F], b, T)
 
 
@@ -120,7 +122,8 @@ def _start(now: Symbols, p: Symbols) -> tuple[ca.SX, ca.SX]:
     for (chain, order), sd_first in zip(_orders(p), (p.start_D, p.start_a, p.start_a), strict=True):
         for i, name in enumerate(chain):
             variance[_INDEX[name]] = (sd_first * p.start_rate**i) ** 2 * (order > i)
-    mean[_INDEX["a1"]], mean[_INDEX["a2"]] = p.start_a1, p.start_a2
+    for name in ("a1", "a2"):
+        mean[_INDEX[name]] = clamp(now[hat(name)], 0, 1)
     return mean, variance
 
 
@@ -129,7 +132,7 @@ def _measurements(now: Symbols, p: Symbols) -> list[Measurement]:
 
 
 def _orders(p: Symbols) -> list[tuple[tuple[str, ...], ca.SX]]:
-    return list(zip(_CHAINS.values(), (p.order_D, p.order_a, p.order_a), strict=True))
+    return list(zip(CHAINS.values(), (p.order_D, p.order_a, p.order_a), strict=True))
 
 
 def _noise(p: Symbols) -> Mapping[str, ca.SX]:
@@ -149,7 +152,7 @@ def _told(mean: ca.SX, P: ca.SX, now: Symbols) -> Symbols:
     for j in _LAW:
         slopes, _, rest = _inputs(j, now, now)
         # u = b (x, a) + …
-        rows[f"u{j}"] = sum(b * rows[of] for b, of in zip(slopes, _LAW[j], strict=True))
+        rows[f"u{j}"] = sum((b * rows[of] for b, of in zip(slopes, _LAW[j], strict=True)), ca.SX(1, _N))
         values[f"u{j}"] = rows[f"u{j}"] @ mean + rest
     # L_Cj = ±x₁ − x_{j+2} + …
     rows |= {"L_C1": rows["x1"] - rows["x3"], "L_C2": -rows["x1"] - rows["x4"]}
@@ -158,7 +161,4 @@ def _told(mean: ca.SX, P: ca.SX, now: Symbols) -> Symbols:
     return Symbols({**estimates, **{name: spreads[name] for name in SPREADS}})
 
 
-ACTIVATIONS_MODEL = Model(
-    QUANTITIES, (*SAMPLE, *_ABOUT, *LINE), PARAMETERS, _start, _move, _noise, _measurements, _told
-)
-__all__ = ["ACTIVATIONS_MODEL", "DENSITIES", "FIBRES", "LINE", "linear_law"]
+ACTIVATIONS_MODEL = Model(QUANTITIES, (*SAMPLE, *ABOUT, *LINE), PARAMETERS, _start, _move, _noise, _measurements, _told)

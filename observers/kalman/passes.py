@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from ...model.block import Symbols, symbols
+from ...model.block import symbols
 from .model import Model, Move
 from .states import packed, unpacked
 from .update import Update, measured, predicted, symmetric
@@ -43,6 +43,8 @@ class Passes:
         n = len(model.quantities)
         measurements = model.measurements(self._now, self._p)
         self.sizes = Sizes(n, n * (n + 1) // 2, len(measurements), len(self._driven))
+        # names of what is told
+        self.told = tuple(model.told(ca.SX(n, 1), ca.SX(n, n), self._now))
 
     def start(self) -> ca.Function:
         """(p, sample) → what `forward` carries to the first sample."""

@@ -1,6 +1,6 @@
 """Densities by maximum likelihood: a fixed point of the score, whose terms one filter and one smoother give.
 
-    ∂log L/∂(s²) = ½ Σ T(λ_i² − Λ_ii) = 0   ⇒   s² ← s² ΣTλ_i²/ΣTΛ_ii
+∂log L/∂(s²) = ½ Σ T(λ_i² − Λ_ii) = 0   ⇒   s² ← s² ΣTλ_i²/ΣTΛ_ii
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...model.arrays import Array
-from .passes import CompiledPasses
+from .passes import CompiledPasses, log_likelihood
 
 # the largest factor of s² in one step
 _STEP = 30.0
@@ -42,11 +42,11 @@ def fitted(
     moving = [(segment, passes.motions(numbers, segment)) for segment in segments]
     trial, taken = dict(numbers), 0
     for _ in range(_MOST):
-        log_likelihood, score = _scored(passes, moving, trial)
+        value, score = _scored(passes, moving, trial)
         taken += 2
-        rise = log_likelihood - best.log_likelihood
+        rise = value - best.log_likelihood
         if rise > 0:
-            best = Fit(dict(trial), log_likelihood, taken)
+            best = Fit(dict(trial), value, taken)
         if rise < _RISE:
             break
         factors = {name: min(max(ratio, 1 / _STEP), _STEP) for name, ratio in _ratios(passes, score)}
@@ -66,9 +66,9 @@ def _ratios(passes: CompiledPasses, score: Array) -> Iterator[tuple[str, float]]
 def _scored(
     passes: CompiledPasses, moving: Sequence[tuple[Array, Array]], numbers: Mapping[str, float]
 ) -> tuple[float, Array]:
-    log_likelihood, score = 0.0, np.zeros((len(passes.densities), 2))
+    total, score = 0.0, np.zeros((len(passes.densities), 2))
     for segment, motions in moving:
-        filtered = passes.filtered(numbers, segment, motions)
-        log_likelihood += filtered.log_likelihood
+        filtered = passes.filtered(numbers, passes.start(numbers, segment[0]), segment, motions)
+        total += log_likelihood(filtered, segment)
         score += passes.smoothed(numbers, segment, motions, filtered).score
-    return log_likelihood, score
+    return total, score
