@@ -50,4 +50,4 @@ def _named(mean: ca.SX) -> dict[str, ca.SX]:
     return dict(zip(MEAN, ca.vertsplit(mean), strict=True))
 
 
-KALMAN = Observer("KF", kalman, gains=gains, rates=no_rates)
+KALMAN = Observer("KF", kalman, gains=gains, rates=no_rates, fitted=True)

@@ -55,9 +55,15 @@ def _custom(block: Block) -> Observer:
 
 @functools.lru_cache(maxsize=8)
 def follower_bank(curves: Curves, corrected: bool, observers: tuple[Observer, ...]) -> Bank:
-    """All these observers, and first one that only tells the tendons' lengths and slopes."""
-    blocks = [estimator(observer.block(corrected), curves) for observer in observers]
+    """All of these observers that follow samples one by one, and first one that only tells the tendons' state."""
+    blocks = [estimator(observer.block(corrected), curves) for observer in observers if not observer.fitted]
     return Bank(MEASURED, tendons(curves), tendons_of_a_step(STAGES, curves), (_lengths(curves), *blocks))
+
+
+@functools.lru_cache(maxsize=8)
+def fitted_blocks(curves: Curves, corrected: bool, observers: tuple[Observer, ...]) -> tuple[Block, ...]:
+    """The others, to which a recording is given as a whole."""
+    return tuple(estimator(observer.block(corrected), curves) for observer in observers if observer.fitted)
 
 
 @functools.lru_cache(maxsize=8)

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...model.arrays import Array
+from ...model.curves import Curves
 from ...observers.kalman.activations import ACTIVATIONS_MODEL
 from ...observers.kalman.inputs import INPUTS_MODEL
 from ...observers.kalman.parameters import resolved, slowest
@@ -83,6 +84,13 @@ def passed(record: Record, how: How, by_hand: Mapping[str, float], keep_every: i
     return Passed(
         ACTIVATIONS, inputs, activations, _collected(told, _of_activations, keep_every, len(record), next(parts))
     )
+
+
+def compile_passes(curves: Curves) -> None:
+    """Compile what `passed` needs, or load it from the cache."""
+    compiled_muscles(curves)
+    for model in (INPUTS_MODEL, ACTIVATIONS_MODEL):
+        compiled(model)
 
 
 def over(passes: CompiledPasses, numbers: Mapping[str, float], rows: Array, how: How, ahead: int) -> Iterator[Array]:

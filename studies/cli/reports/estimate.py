@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -59,11 +60,13 @@ def notes(dataset: xr.Dataset) -> Iterator[str]:
             "the mass accelerates against the difference of the tendon forces: either forces from outside rule it, or "
             "the muscles are swapped (muscle 1 pulls towards position 0)"
         )
-    gains, substeps = json.loads(attributes["gains"]), json.loads(attributes["substeps"])
+    gains, substeps, fits = (json.loads(attributes[name]) for name in ("gains", "substeps", "fits"))
     for name in dataset.observer.values.tolist():
         steps = f"{label(name)}: {counted(substeps[name], 'step')} from sample to sample"
         numbers = [f"{path.partition('.')[2]} = {value:.3g}" for path, value in gains[name].items()]
         yield f"{steps}; {', '.join(numbers)}" if numbers else steps
+        if name in fits:
+            yield from _likelihood(fits[name], json.loads(attributes["settings"]))
         of = dataset.sel(observer=name)
         for j in (1, 2):
             for what, sentence in (
@@ -104,6 +107,32 @@ def score_table(scores: Sequence[Score]) -> Table:
         cells = [number(by_key[observer, q] * _SHOWN[q][1]) for q in shown]
         table.add_row(Text(label(observer)), *cells)
     return table
+
+
+def _likelihood(fit: Mapping[str, Any], settings: Mapping[str, Any]) -> Iterator[str]:
+    """What the likelihood of the recording has decided, and what the estimates know."""
+    inputs = fit["u"]
+    yield f"  densities by maximum likelihood, as are orders: {_orders(inputs, 'u')}"
+    if "a" in fit:
+        activations = fit["a"]
+        gain = activations["log_likelihood"] - inputs["log_likelihood"]
+        taken = "taken" if fit["form"] == "a" else "not taken"
+        yield f"  activations as states, {taken}: {_orders(activations, 'a')}, log L {gain:+,.0f}"
+    if settings["smooth"]:
+        yield "  smoothed: each estimate knows all samples"
+    elif settings["lag"]:
+        yield f"  each estimate is {settings['lag'] * 1e3:.4g} ms late, and knows the samples until then"
+
+
+def _orders(choice: Mapping[str, Any], second: str) -> str:
+    """The orders, and what others would lose."""
+    D, other = choice["orders"]
+    losses = [
+        f"{value - choice['log_likelihood']:+,.0f} with {orders}"
+        for orders, value in choice["tried"].items()
+        if orders != f"{D},{other}"
+    ]
+    return f"Δ {D}, {second} {other}" + (f" (log L {', '.join(losses)})" if losses else "")
 
 
 def _against(dataset: xr.Dataset) -> bool:
