@@ -22,7 +22,7 @@ from ..laboratory.mapping import read_mapping
 from ..laboratory.muscles import read_muscles
 from ..laboratory.recording import read_recording
 from ..scenarios.layers import Value
-from .options import observer_option, seconds_option, set_option, whole_option
+from .options import mapping_option, observer_option, seconds_option, set_option, whole_option
 from .reports.estimate import failures, notes, score_table, timing
 from .reports.written import written
 from .terminal import NUMERICAL, bar, complain, print_table, say
@@ -35,7 +35,7 @@ _STEM = "estimates"
 @click.argument("recording", metavar="RECORDING")
 @click.option("--muscles", required=True, metavar="FILE.toml", help="The muscles in SI, see docs/recordings.md.")
 @observer_option()
-@click.option("--map", "maps", multiple=True, metavar="NAME=COLUMN", help="Name a column, e.g. position=block_x[mm].")
+@mapping_option()
 @set_option("A gain by hand: high_gain.eps_h=0.05.")
 @click.option("--uncorrected", is_flag=True, help="Leave out the correction of the sliding mode observers' layers.")
 @click.option("--smooth", is_flag=True, help="Estimates know all samples, later ones too: the Kalman filter alone can.")

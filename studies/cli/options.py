@@ -50,6 +50,13 @@ def observer_option() -> Decorator:
     )
 
 
+def mapping_option() -> Decorator:
+    """`--map NAME=COLUMN`, which may be repeated: a tuple of texts."""
+    return click.option(
+        "--map", "maps", multiple=True, metavar="NAME=COLUMN", help="Name a column, e.g. position=block_x[mm]."
+    )
+
+
 def set_option(sentence: str) -> Decorator:
     """`--set PATH=VALUE`, which may be repeated: a dict; of a path given twice the last counts."""
     return click.option(

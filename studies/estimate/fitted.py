@@ -14,10 +14,10 @@ from ...model.block import STEP, Block
 from ...observers.kalman.activations import ACTIVATIONS_MODEL
 from ...observers.kalman.inputs import INPUTS_MODEL
 from ..files.progress import Progress
-from ..kalman.orders import Choice
+from ..kalman.orders import Choice, manifest
 from ..kalman.record import Record, refuse_short
 from ..kalman.run import ACTIVATIONS, How, Passed, passed
-from .case import Case, Result, Settings
+from .case import Case, Result
 
 
 def fitted_result(case: Case, block: Block, numbers: Mapping[str, float], progress: Progress) -> Result:
@@ -41,11 +41,15 @@ def fitted_result(case: Case, block: Block, numbers: Mapping[str, float], progre
         for values in (*y.values(), *guards.values()):
             values[late] = np.nan
     gains = {f"{block.name}.{name}": value for name, value in _chosen(found).fit.numbers.items() if name in _SHOWN}
-    return Result(y, guards, gains, 1, [], failure, _told(case.settings, found))
+    return Result(y, guards, gains, 1, [], failure, _told(found))
 
 
-# numbers of the models that are found, or asked for; the others are the muscles'
-_SHOWN = {*INPUTS_MODEL.parameters, *ACTIVATIONS_MODEL.parameters} - {"m"}
+# numbers of the models that are found, or asked for; the others are the muscles', or start the filter
+_SHOWN = {
+    name
+    for name in (*INPUTS_MODEL.parameters, *ACTIVATIONS_MODEL.parameters)
+    if name.startswith(("s_", "sigma", "order"))
+}
 
 
 def _how(case: Case) -> How:
@@ -61,21 +65,9 @@ def _chosen(found: Passed) -> Choice:
     return found.activations if found.form == ACTIVATIONS and found.activations else found.inputs
 
 
-def _told(settings: Settings, found: Passed) -> dict[str, Any]:
-    """The choices, for a manifest."""
+def _told(found: Passed) -> dict[str, Any]:
     choices = {"u": found.inputs, **({"a": found.activations} if found.activations else {})}
-    return {
-        "form": found.form,
-        **{
-            form: {
-                "orders": list(choice.orders),
-                "log_likelihood": choice.fit.log_likelihood,
-                "passes": choice.fit.passes,
-                "tried": {f"{D},{other}": value for (D, other), value in choice.tried.items()},
-            }
-            for form, choice in choices.items()
-        },
-    }
+    return {"form": found.form, **{form: manifest(choice) for form, choice in choices.items()}}
 
 
 def _failure(case: Case, block: Block, numbers: Mapping[str, float], y: Mapping[str, Array]) -> Failure | None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 from ...model.arrays import Array
 from ...observers.kalman.activations import ACTIVATIONS_MODEL
@@ -15,8 +16,9 @@ from .fit import Fit, fitted
 from .passes import compiled
 from .record import Record
 
-# another order must be likelier by more than chance makes it
-_GAIN = 3.0
+# another order must be likelier by more than chance makes it; one below the usual by this much of each sample, since
+# the likelihood looks one sample ahead only, where a rougher input is hardly worse
+_GAIN, _ROUGHER = 3.0, 0.05
 _USUAL, _OTHERS = 2, (1, 3)
 # the least of the second pass's densities, in what they are at first: where they mean nothing
 _LEAST = 1e-4
@@ -48,7 +50,7 @@ def chosen_inputs(record: Record, tables: Sequence[Array], by_hand: Mapping[str,
         numbers = {**record.numbers, **noise(record.sizes, T), **start, **orders, **by_hand}
         return fitted(passes, tables, numbers, _free(OF_INPUTS, least, by_hand))
 
-    return _likeliest(fitting, _tried(by_hand, "order_D"), _tried(by_hand, "order_u"))
+    return _likeliest(fitting, _tried(by_hand, "order_D"), _tried(by_hand, "order_u"), _counted(tables))
 
 
 def chosen_activations(record: Record, tables: Sequence[Array], first: Choice, by_hand: Mapping[str, float]) -> Choice:
@@ -66,22 +68,39 @@ def chosen_activations(record: Record, tables: Sequence[Array], first: Choice, b
         numbers = {**defaults, **_known(first.fit.numbers, parameters), **own, **_known(by_hand, parameters)}
         return fitted(passes, tables, numbers, _free(OF_ACTIVATIONS, least, by_hand))
 
-    return _likeliest(fitting, [order_D], [_USUAL, *_OTHERS])
+    return _likeliest(fitting, [order_D], [_USUAL, *_OTHERS], _counted(tables))
 
 
-def _likeliest(fitting: Fitting, of_D: Sequence[int], of_second: Sequence[int]) -> Choice:
-    """The usual orders, first in both lists, unless another gains enough."""
+def manifest(choice: Choice) -> dict[str, Any]:
+    """A choice in words of JSON."""
+    return {
+        "orders": list(choice.orders),
+        "log_likelihood": choice.fit.log_likelihood,
+        "passes": choice.fit.passes,
+        "tried": {f"{D},{second}": value for (D, second), value in choice.tried.items()},
+    }
+
+
+def _likeliest(fitting: Fitting, of_D: Sequence[int], of_second: Sequence[int], samples: float) -> Choice:
+    """The usual orders, first in both lists, unless others gain enough."""
     fits = {(of_D[0], second): fitting(of_D[0], second) for second in of_second}
-    best = _best(fits)
+    best = _best(fits, samples)
     fits |= {(order_D, best[1]): fitting(order_D, best[1]) for order_D in of_D[1:]}
-    best = _best(fits)
+    best = _best({best: fits[best], **fits}, samples)
     return Choice(best, fits[best], {orders: fit.log_likelihood for orders, fit in fits.items()})
 
 
-def _best(fits: Mapping[tuple[int, int], Fit]) -> tuple[int, int]:
-    usual, *others = fits
-    best = max(fits, key=lambda orders: fits[orders].log_likelihood)
-    return best if fits[best].log_likelihood > fits[usual].log_likelihood + _GAIN * bool(others) else usual
+def _best(fits: Mapping[tuple[int, int], Fit], samples: float) -> tuple[int, int]:
+    """The likeliest orders of those that gain enough over the first."""
+    first = next(iter(fits))
+
+    def gain(orders: tuple[int, int]) -> float:
+        rougher = any(order < usual for order, usual in zip(orders, first, strict=True))
+        needed = max(_GAIN, _ROUGHER * samples) if rougher else _GAIN
+        return fits[orders].log_likelihood - fits[first].log_likelihood - needed
+
+    best = max(fits, key=gain)
+    return best if gain(best) > 0 else first
 
 
 def _tried(by_hand: Mapping[str, float], name: str) -> list[int]:
@@ -90,6 +109,10 @@ def _tried(by_hand: Mapping[str, float], name: str) -> list[int]:
 
 def _free(names: Sequence[str], least: Mapping[str, float], by_hand: Mapping[str, float]) -> dict[str, float]:
     return {name: least[name] for name in names if name not in by_hand}
+
+
+def _counted(tables: Sequence[Array]) -> float:
+    return float(sum(rows[:, -1].sum() for rows in tables))
 
 
 def _known(numbers: Mapping[str, float], names: Mapping[str, object]) -> dict[str, float]:

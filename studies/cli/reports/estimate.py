@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 import xarray as xr
@@ -17,6 +16,7 @@ from ....model.skeleton import pull
 from ....observers import label
 from ...estimate.scores import BOTH, SETTLED, Score
 from .conditions import violated_conditions
+from .likelihood import decisions
 from .number import counted, number
 
 # a table in the units that muscles have
@@ -66,7 +66,7 @@ def notes(dataset: xr.Dataset) -> Iterator[str]:
         numbers = [f"{path.partition('.')[2]} = {value:.3g}" for path, value in gains[name].items()]
         yield f"{steps}; {', '.join(numbers)}" if numbers else steps
         if name in fits:
-            yield from _likelihood(fits[name], json.loads(attributes["settings"]))
+            yield from (f"  {sentence}" for sentence in decisions(fits[name], json.loads(attributes["settings"])))
         of = dataset.sel(observer=name)
         for j in (1, 2):
             for what, sentence in (
@@ -107,32 +107,6 @@ def score_table(scores: Sequence[Score]) -> Table:
         cells = [number(by_key[observer, q] * _SHOWN[q][1]) for q in shown]
         table.add_row(Text(label(observer)), *cells)
     return table
-
-
-def _likelihood(fit: Mapping[str, Any], settings: Mapping[str, Any]) -> Iterator[str]:
-    """What the likelihood of the recording has decided, and what the estimates know."""
-    inputs = fit["u"]
-    yield f"  densities by maximum likelihood, as are orders: {_orders(inputs, 'u')}"
-    if "a" in fit:
-        activations = fit["a"]
-        gain = activations["log_likelihood"] - inputs["log_likelihood"]
-        taken = "taken" if fit["form"] == "a" else "not taken"
-        yield f"  activations as states, {taken}: {_orders(activations, 'a')}, log L {gain:+,.0f}"
-    if settings["smooth"]:
-        yield "  smoothed: each estimate knows all samples"
-    elif settings["lag"]:
-        yield f"  each estimate is {settings['lag'] * 1e3:.4g} ms late, and knows the samples until then"
-
-
-def _orders(choice: Mapping[str, Any], second: str) -> str:
-    """The orders, and what others would lose."""
-    D, other = choice["orders"]
-    losses = [
-        f"{value - choice['log_likelihood']:+,.0f} with {orders}"
-        for orders, value in choice["tried"].items()
-        if orders != f"{D},{other}"
-    ]
-    return f"Δ {D}, {second} {other}" + (f" (log L {', '.join(losses)})" if losses else "")
 
 
 def _against(dataset: xr.Dataset) -> bool:
