@@ -33,7 +33,7 @@ def test_95_percent_of_the_errors_are_within_1_96_standard_deviations(noisy: xr.
         error = of[f"{name}_hat"] - of[f"true_{name}"]
         covered = float((abs(error) < 1.96 * of[f"{name}_sd"]).mean())
         # the disturbance is smoother than a random walk of its rate
-        assert 0.9 < covered < (1 if name == "disturbance" else 0.98), (name, covered)
+        assert 0.9 < covered < (1 if name == "disturbance" else 0.99), (name, covered)
 
 
 def test_a_clean_recording_is_followed_as_if_it_were_known(unlike: tuple[Path, Path]) -> None:
@@ -63,7 +63,7 @@ def test_where_samples_are_missing_it_is_less_sure(short: Recording) -> None:
         deviation = of[f"{name}_sd"].values
         assert (deviation[first] > 1.1 * deviation[first - 1]).all(), name
         # and as sure as ever some time later
-        assert (deviation[-1] < 1.05 * deviation[first - 1]).all(), name
+        assert (deviation[-1] < 1.2 * deviation[first - 1]).all(), name
 
 
 def passed(injections: list[float], i: int) -> float:
