@@ -1,20 +1,19 @@
-"""Results as NetCDF with a seal behind it: what is read back is what was written."""
+"""Results as NetCDF, with a table of contents and a seal behind it: what is read back is what was written."""
 
 from __future__ import annotations
 
 import hashlib
-import io
 import warnings
 from pathlib import Path
 
-import h5py
 import xarray as xr
 
 from ..errors import ResultError
 from ..quote import escaped, short
 from ..reading import cause, read_whole
 from ..writing import write_whole
-from .hdf5 import refuse_foreign
+from .contents import read_contents
+from .describing import with_contents
 
 # bytes of a result, compressed or not; a million recorded points are 1 GB, 10⁸ runs with one score 4 GB
 LARGEST_RESULT = 5_000_000_000
@@ -38,10 +37,13 @@ def load(path: str | Path) -> xr.Dataset:
     if content is None:
         raise ResultError(f"{path} cannot be read: it is no result of hillobs, or it is damaged")
     try:
-        return _dataset(content)
+        with warnings.catch_warnings():
+            # what xarray would mend with a warning, we have not written
+            warnings.simplefilter("error")
+            return read_contents(content, LARGEST_RESULT)
     except MemoryError:
         raise
-    except Exception as error:  # neither h5py nor xarray says what it raises where a seal is forged
+    except Exception as error:  # neither NumPy nor xarray says what it raises where a seal is forged
         why = f"it is no result of hillobs: {short(escaped(str(error)))}"
         raise ResultError(f"{path} cannot be read: {why}") from error
 
@@ -57,23 +59,15 @@ def unsealed(raw: bytes) -> bytes | None:
     return content if raw == sealed(content) else None
 
 
-def _dataset(content: bytes) -> xr.Dataset:
-    """The Dataset of a file of which only the seal is known."""
-    with h5py.File(io.BytesIO(content), "r") as file:
-        refuse_foreign(file, LARGEST_RESULT)
-    with warnings.catch_warnings():
-        # what xarray would mend with a warning, we have not written
-        warnings.simplefilter("error")
-        # no number of ours is a date, whatever its unit is called
-        with xr.open_dataset(io.BytesIO(content), engine="h5netcdf", decode_times=False) as dataset:
-            return dataset.load()
-
-
 def netcdf(dataset: xr.Dataset) -> bytes:
-    """The file in memory, every variable compressed; readers of HDF5 pass over the seal behind it."""
+    """The file in memory, every variable compressed; readers of HDF5 pass over table and seal behind it."""
     encoding = {
-        str(name): {"zlib": True, "complevel": 1, **({"dtype": "S1"} if variable.dtype.kind in "UO" else {})}
+        str(name): {
+            "zlib": True,
+            "complevel": 1,
+            "shuffle": False,
+            **({"dtype": "S1"} if variable.dtype.kind in "UO" else {}),
+        }
         for name, variable in dataset.variables.items()
     }
-    # before HDF5 sees it, which reads damage as other numbers or without end, the seal is checked
-    return sealed(bytes(dataset.to_netcdf(engine="h5netcdf", encoding=encoding)))
+    return sealed(with_contents(bytes(dataset.to_netcdf(engine="h5netcdf", encoding=encoding)), dataset))

@@ -1,15 +1,13 @@
 """Results as someone else might forge them: a good one, changed, with a seal that fits again."""
 
-import io
 import json
 from collections.abc import Callable, Iterator
-from pathlib import Path
+from typing import Any
 
-import h5py
 import numpy as np
 import xarray as xr
 
-from hillobs.studies.files.datasets.netcdf import sealed
+from hillobs.studies.files.datasets.netcdf import sealed, unsealed
 
 Mutation = Callable[[xr.Dataset], xr.Dataset]
 
@@ -74,76 +72,92 @@ def mutations(good: xr.Dataset) -> Iterator[tuple[str, Mutation]]:
             yield f"{name}.{key} = {value}", lambda d, n=name, k=key, v=value: _about(d, n, k, v)
 
 
-def rebuilt(content: bytes, change: Callable[[h5py.File], None]) -> bytes:
-    """The HDF5 file in `content` after `change`, sealed."""
-    file = io.BytesIO(content)
-    with h5py.File(file, "r+") as opened:
-        change(opened)
-    return sealed(file.getvalue())
+def retabled(raw: bytes, change: Callable[[dict[str, Any]], object]) -> bytes:
+    """A result whose table of contents someone has changed, sealed."""
+    content = unsealed(raw) or b""
+    end = len(content) - 8
+    start = end - int.from_bytes(content[end:], "little")
+    table = json.loads(content[start:end])
+    change(table)
+    return with_table(content[:start], json.dumps(table).encode())
 
 
-def _soft(file: h5py.File) -> None:
-    file["linked"] = h5py.SoftLink("/time")
+def with_table(netcdf: bytes, table: bytes) -> bytes:
+    """A file with a table behind it, sealed."""
+    return sealed(netcdf + table + len(table).to_bytes(8, "little"))
 
 
-def _external_link(file: h5py.File) -> None:
-    file["linked"] = h5py.ExternalLink("/etc/passwd", "/")
+def _in_every(key: str, change: Callable[[Any], object]) -> Callable[[dict[str, Any]], object]:
+    """What becomes of this of each variable."""
+
+    def changed(table: dict[str, Any]) -> None:
+        for entry in table["variables"].values():
+            entry[key] = change(entry[key])
+
+    return changed
 
 
-def _external_storage(file: h5py.File) -> None:
-    file.create_dataset("outside", (8,), "u1", external=[(str(Path(__file__)), 0, 8)])
+def _in_pieces(change: Callable[[list[int]], object]) -> Callable[[dict[str, Any]], object]:
+    return _in_every("pieces", lambda pieces: [change(piece) for piece in pieces])
 
 
-def _virtual(file: h5py.File) -> None:
-    layout = h5py.VirtualLayout((8,), "f8")
-    layout[:] = h5py.VirtualSource("other.h5", "a", (8,))
-    file.create_virtual_dataset("virtual", layout)
+def _attribute(value: object) -> Callable[[dict[str, Any]], object]:
+    return lambda table: table["attributes"].update(title=value)
 
 
-def _group(file: h5py.File) -> None:
-    file.create_group("inner")["a"] = 1.0
+def _variable(name: str = "odd", **changes: object) -> Callable[[dict[str, Any]], object]:
+    """Another variable beside those that are there."""
+    odd = {"dimensions": [], "type": "<f8", "shape": [], "chunk": [], "pieces": [[0, 8, 0]], "attributes": {}}
+    return lambda table: table["variables"].update({name: {**odd, **changes}})
 
 
-def _compound(file: h5py.File) -> None:
-    file["table"] = np.zeros(3, dtype=[("a", "f8"), ("b", "i4")])
-
-
-def _reference(file: h5py.File) -> None:
-    file.create_dataset("pointer", data=file["time"].ref, dtype=h5py.ref_dtype)
-
-
-def _any_length(file: h5py.File) -> None:
-    file.create_dataset("texts", (3,), h5py.string_dtype())
-
-
-def _another_filter(file: h5py.File) -> None:
-    file.create_dataset("packed", data=np.zeros(1000), compression="lzf")
-
-
-def _huge(file: h5py.File) -> None:
-    file.create_dataset("huge", (10**12,), "f8", chunks=(10**6,), compression="gzip")
-
-
-def _named_type(file: h5py.File) -> None:
-    file["type"] = np.dtype("f8")
-
-
-def _compound_attribute(file: h5py.File) -> None:
-    file.attrs["table"] = np.zeros(3, dtype=[("a", "f8"), ("b", "i4")])
-
-
-def _pointer_attribute(file: h5py.File) -> None:
-    file.attrs.create("pointer", file["time"].ref, dtype=h5py.ref_dtype)
-
-
-def _empty(file: h5py.File) -> None:
-    file["nothing"] = h5py.Empty("f8")
-
-
-CONTAINERS = (
-    _soft, _external_link, _external_storage, _virtual, _group, _compound, _reference, _any_length, _another_filter,
-    _huge, _named_type, _compound_attribute, _pointer_attribute, _empty,
-)  # fmt: skip
+# tables of contents that lead out of the file, claim too much, or make no sense
+TABLES = {
+    "chunks beyond the end": _in_pieces(lambda piece: [piece[0] + 10**7, *piece[1:]]),
+    "chunks before the beginning": _in_pieces(lambda piece: [-piece[0], *piece[1:]]),
+    "chunks of negative size": _in_pieces(lambda piece: [piece[0], -piece[1], piece[2]]),
+    "chunks of no size": _in_pieces(lambda piece: [piece[0], 0, piece[2]]),
+    "chunks at an enormous place": _in_pieces(lambda piece: [10**30, *piece[1:]]),
+    "chunks that are not deflated": _in_pieces(lambda piece: [*piece[:2], 0]),
+    "chunks with one number": _in_pieces(lambda piece: piece[:1]),
+    "chunks that are texts": _in_pieces(lambda piece: "place"),
+    "chunks cut off": _in_pieces(lambda piece: [piece[0], piece[1] // 2, piece[2]]),
+    "chunks that overlap": lambda table: [
+        _variable(f"odd{i}", dimensions=["far"], type="|i1", shape=[9000], chunk=[9000], pieces=[[0, 9000, 0]])(table)
+        for i in range(100)
+    ],
+    "chunks elsewhere": _in_pieces(lambda piece: [1, *piece[1:]]),
+    "no chunks": _in_every("pieces", lambda pieces: []),
+    "chunks twice": _in_every("pieces", lambda pieces: pieces * 2),
+    "shapes of a tenth dimension": _in_every("shape", lambda shape: [*shape, 1]),
+    "shapes that are too long": _in_every("shape", lambda shape: [10**15 for _ in shape]),
+    "shapes that no machine can count": _in_every("shape", lambda shape: [10**40 for _ in shape]),
+    "shapes below zero": _in_every("shape", lambda shape: [-n for n in shape]),
+    "chunks that are too long": _in_every("chunk", lambda chunk: [10**15 for _ in chunk]),
+    "chunks of another size": _in_every("chunk", lambda chunk: [2 * n for n in chunk]),
+    "chunks of nothing": _in_every("chunk", lambda chunk: [0 for _ in chunk]),
+    "objects for numbers": _in_every("type", lambda kind: "|O"),
+    "numbers as text": _in_every("type", lambda kind: "text"),
+    "numbers that NumPy alone knows": _in_every("type", lambda kind: "f8,f8"),
+    "dimensions without names": _in_every("dimensions", lambda names: []),
+    "dimensions of one name": _in_every("dimensions", lambda names: ["time" for _ in names]),
+    "dimensions that are numbers": _in_every("dimensions", lambda names: [1 for _ in names]),
+    "coordinates that are not there": lambda table: table["coordinates"].append("nowhere"),
+    "no variables": lambda table: table.pop("variables"),
+    "variables in a list": lambda table: table.update(variables=list(table["variables"].values())),
+    "something beside": lambda table: table.update(beside=1),
+    "an attribute that is a number": _attribute(1.0),
+    "an attribute without digits": _attribute({"type": "<f8", "shape": [], "value": "xyz"}),
+    "an attribute that is too short": _attribute({"type": "<f8", "shape": [], "value": "00"}),
+    "an attribute of another shape": _attribute({"type": "<f8", "shape": [3], "value": "00" * 8}),
+    "an attribute of an enormous shape": _attribute({"type": "<f8", "shape": [10**30, 0], "value": ""}),
+    "a text without letters": _variable(type="text"),
+    "a variable that is in the file's middle as it is": _variable(pieces=[[10**6, 8, 0]]),
+    "a text that is no UTF-8": _variable(type="text", shape=[8], chunk=[8]),
+    "more dimensions than NumPy has": _variable(
+        dimensions=[f"d{i}" for i in range(100)], shape=[1] * 100, chunk=[1] * 100
+    ),
+}  # fmt: skip
 
 
 def _with(dataset: xr.Dataset, name: str, values: object) -> xr.Dataset:

@@ -1,18 +1,21 @@
 """Anyone can seal a file: whatever is in it, a reader gets what it relies on, or a sentence."""
 
+import json
 import random
+import tracemalloc
 import warnings
+import zlib
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 import xarray as xr
 
-from forgeries import CONTAINERS, mutations, rebuilt
+from forgeries import TABLES, mutations, retabled, with_table
 from hillobs import Error, ResultError, arguments, estimate, load, simulate
 from hillobs.studies.cli.reports import sweep as report
 from hillobs.studies.estimate.schema import check_estimates
-from hillobs.studies.files.datasets.netcdf import save_netcdf, unsealed
+from hillobs.studies.files.datasets.netcdf import save_netcdf, sealed, unsealed
 from hillobs.studies.simulate.schema import check_run
 from hillobs.studies.sweep.schema import check_sweep
 from places import RECORDINGS
@@ -75,14 +78,49 @@ def test_a_changed_result_is_read_or_refused_in_a_sentence(kind: str, results) -
     assert refused
 
 
-@pytest.mark.parametrize("change", CONTAINERS)
-def test_what_leads_out_of_a_file_or_is_no_number_is_refused(change, results, tmp_path: Path) -> None:
+@pytest.fixture(scope="module")
+def sealed_run(results, tmp_path_factory) -> bytes:
+    path = tmp_path_factory.mktemp("run") / "x.nc"
+    save_netcdf(results["run"][0], path)
+    return path.read_bytes()
+
+
+@pytest.mark.parametrize("change", TABLES.values(), ids=TABLES)
+def test_a_table_of_contents_that_makes_no_sense_is_refused(change, sealed_run: bytes, tmp_path: Path) -> None:
     path = tmp_path / "x.nc"
-    save_netcdf(results["sweep"][0].rename(seed="time"), path)
-    path.write_bytes(rebuilt(unsealed(path.read_bytes()) or b"", change))
+    path.write_bytes(retabled(sealed_run, change))
     with pytest.raises(ResultError, match=r"x\.nc cannot be read: it is no result of hillobs: ") as refused:
         load(path)
     assert str(refused.value).isprintable()
+
+
+@pytest.mark.parametrize("table", [b"", b"{}", b"[" * 100_000, b"\xff", b"null", b"9" * 100_000])
+def test_a_table_of_contents_that_is_none_is_refused(table: bytes, sealed_run: bytes, tmp_path: Path) -> None:
+    (tmp_path / "x.nc").write_bytes(with_table(sealed_run[:5_000], table))
+    with pytest.raises(ResultError, match=r"x\.nc cannot be read: it is no result of hillobs: "):
+        load(tmp_path / "x.nc")
+
+
+def test_the_parser_of_hdf5_never_sees_a_file_of_others(sealed_run: bytes, tmp_path: Path) -> None:
+    """A result is read as it was where only what HDF5 reads has been damaged."""
+    (tmp_path / "good.nc").write_bytes(sealed_run)
+    for superblock in (b"\0" * 48, b"\xff" * 48):
+        (tmp_path / "x.nc").write_bytes(sealed(superblock + unsealed(sealed_run)[48:]))
+        xr.testing.assert_identical(load(tmp_path / "x.nc"), load(tmp_path / "good.nc"))
+
+
+def test_no_more_is_inflated_than_a_chunk_holds(tmp_path: Path) -> None:
+    """A hundred megabytes of zeros, deflated to a tenth of one; beside that a table and a Dataset are small."""
+    zeros = zlib.compress(b"\0" * 10**8)
+    entry = {"dimensions": ["time"], "type": "|i1", "shape": [8], "chunk": [8], "attributes": {}}
+    table = {"coordinates": [], "attributes": {}, "variables": {"bomb": {**entry, "pieces": [[0, len(zeros), 1]]}}}
+    (tmp_path / "x.nc").write_bytes(with_table(zeros, json.dumps(table).encode()))
+    tracemalloc.start()
+    try:
+        assert load(tmp_path / "x.nc").bomb.values.tolist() == [0] * 8
+        assert tracemalloc.get_traced_memory()[1] < 10**7
+    finally:
+        tracemalloc.stop()
 
 
 def test_figures_of_what_is_no_whole_result_are_refused(command, results, tmp_path: Path) -> None:
