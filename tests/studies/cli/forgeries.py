@@ -72,14 +72,20 @@ def mutations(good: xr.Dataset) -> Iterator[tuple[str, Mutation]]:
             yield f"{name}.{key} = {value}", lambda d, n=name, k=key, v=value: _about(d, n, k, v)
 
 
-def retabled(raw: bytes, change: Callable[[dict[str, Any]], object]) -> bytes:
-    """A result whose table of contents someone has changed, sealed."""
+def opened(raw: bytes) -> tuple[bytes, bytes]:
+    """The NetCDF file in a result, and its table of contents."""
     content = unsealed(raw) or b""
     end = len(content) - 8
     start = end - int.from_bytes(content[end:], "little")
-    table = json.loads(content[start:end])
+    return content[:start], content[start:end]
+
+
+def retabled(raw: bytes, change: Callable[[dict[str, Any]], object]) -> bytes:
+    """A result whose table of contents someone has changed, sealed."""
+    netcdf, text = opened(raw)
+    table = json.loads(text)
     change(table)
-    return with_table(content[:start], json.dumps(table).encode())
+    return with_table(netcdf, json.dumps(table).encode())
 
 
 def with_table(netcdf: bytes, table: bytes) -> bytes:
