@@ -127,7 +127,8 @@ def compile_library(
         code, output = _run(command, output_folder, _timeout() if timeout is None else timeout, scratch | shared)
         problem = _ending(code) if code else _incomplete(library)
     except OSError as error:
-        raise BuildError(f"Nothing can be compiled in {output_folder}: {error.strerror}.") from error
+        # the folder that stays; this one is gone when the sentence is read
+        raise BuildError(f"Nothing can be compiled in {output_folder.parent}: {error.strerror}.") from error
     if problem:
         raise BuildError(f"The compiler {problem}: {shlex.join(command)}\n{output}")
     return library

@@ -171,6 +171,17 @@ def test_a_full_disk_is_a_sentence(folder, limit):
     assert twice(build(SOURCE, DESCRIPTION)) == 8.0
 
 
+def test_a_source_that_cannot_be_written_is_told_with_the_folder_that_stays(folder):
+    program = f"""
+        resource.setrlimit(resource.RLIMIT_FSIZE, (0, resource.RLIM_INFINITY))
+        try:
+            {BUILD}
+        except cache.BuildError as error:
+            print(error)
+    """
+    assert finish(python(program)) == (0, f"Nothing can be compiled in {folder}: File too large.\n", "")
+
+
 def test_no_processes_left_is_a_sentence(monkeypatch):
     def refuse(*args, **options):
         raise BlockingIOError(11, "Resource temporarily unavailable")
