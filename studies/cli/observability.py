@@ -27,7 +27,7 @@ from ..scenarios.prepare import prepare
 from .options import scenario_argument, set_option, whole_option
 from .reports.observability import answer_as_json, answer_table, details, ranks_along, ranks_over, summary
 from .reports.written import written
-from .terminal import bar, print_table, say
+from .terminal import bar, complain, print_table, say
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -90,16 +90,20 @@ def observability(
         # orders beyond those that add rank at the point would only cost the compiler time
         enough = max(_LEAST_ORDER, here.verdict.ranks.index(here.verdict.rank))
         question = pose(prepared, sensors, unknown, min(enough, question.order), signals)
+    # JSON stands alone on its stream
+    tell = complain if as_json else say
     if along:
         with bar("along the run") as advance:
             data = rank_along(prepared, question, limit, advance)
             paths = _write(data, along_figure(data), folder, stem, "along")
-        say(f"along the run, {ranks_along(data)}", written(paths), err=as_json)
+        tell(f"along the run, {ranks_along(data)}")
+        tell(written(paths))
     if axes is not None:
         with bar("over the map") as advance:
             data = over(question, names, here.point, tolerance=limit, progress=advance)
             paths = _write(data, map_figure(data, question), folder, stem, _map_key(names))
-        say(f"over the map, {ranks_over(data)}", written(paths), err=as_json)
+        tell(f"over the map, {ranks_over(data)}")
+        tell(written(paths))
     sys.exit(0 if here.verdict.full else _DEFICIENT)
 
 

@@ -93,11 +93,10 @@ def answer_as_json(question: Question, answer: Answer, tolerance: float) -> str:
 
 
 def ranks_along(data: xr.Dataset) -> str:
-    """How long each rank lasted along a run."""
-    ranks, counts = np.unique(data["rank"], return_counts=True)
-    spacing = float(data.time[1] - data.time[0]) if data.time.size > 1 else 0.0
-    lasted = zip(ranks[::-1], counts[::-1] * spacing, strict=True)
-    return "rank " + ", ".join(f"{rank} for {time:.4g}" for rank, time in lasted)
+    """How long each rank lasted along a run: each lasts until the next is known."""
+    ranks, time = data["rank"].values, data.time.values
+    steps = np.diff(time, append=time[-1])
+    return "rank " + ", ".join(f"{rank} for {steps[ranks == rank].sum():.4g}" for rank in np.unique(ranks)[::-1])
 
 
 def ranks_over(data: xr.Dataset) -> str:

@@ -3,6 +3,10 @@
 import json
 from pathlib import Path
 
+import numpy as np
+import xarray as xr
+
+from hillobs.studies.cli.reports.observability import ranks_along
 from places import contents
 
 
@@ -29,3 +33,10 @@ def test_observability_answers_with_its_exit_code(command, tmp_path: Path) -> No
     assert "along the run, rank 4 for 6." in out
     assert "over the map, rank 4 on 9" in out
     assert len(contents(tmp_path / "o")) == 6
+
+
+def test_the_times_of_all_ranks_add_up_to_the_run() -> None:
+    time = np.linspace(0.0, 0.5, 6)
+    data = xr.Dataset({"rank": ("time", [4, 4, 3, 4, 4, 4])}, {"time": time})
+    assert ranks_along(data) == "rank 4 for 0.4, 3 for 0.1"
+    assert ranks_along(data.isel(time=slice(1))) == "rank 4 for 0"
