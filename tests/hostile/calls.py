@@ -72,8 +72,10 @@ def run_program(text: str) -> None:
         say(escaped(f"{'hillobs: ' if ours else ''}{category.__name__}: {message}"))
 
     def say(sentence: str) -> None:
-        with contextlib.suppress(OSError):  # nobody may hear it
-            print(sentence, file=sys.stderr)
+        # nobody may hear it; where there is no error stream, `print` would take the other one
+        with contextlib.suppress(OSError):
+            if sys.stderr is not None:
+                print(sentence, file=sys.stderr)
 
     warnings.showwarning = show
     names: dict[str, object] = {"hillobs": hillobs}
