@@ -28,9 +28,9 @@ NUMBERS = {
 }
 TEXT, FLAG = "text", "flag"
 STORED = {TEXT: np.dtype("S1"), FLAG: np.dtype("i1")} | {name: np.dtype(name) for name in NUMBERS}
-# bytes of the length of the table, and of the largest one: a file of 5 GB has some ten thousand chunks
+# bytes of the length of the table, and of the largest one: 5 GB are some ten thousand chunks, of thirty bytes in it
 LENGTH = 8
-_LARGEST_TABLE = 100_000_000
+_LARGEST_TABLE = 20_000_000
 # bytes of the texts of a variable; each becomes an object in memory
 _LARGEST_TEXTS = 100_000_000
 
