@@ -1,6 +1,8 @@
 """`python -m hillobs` and the command `hillobs`."""
 
+import contextlib
 import os
+import re
 import sys
 
 from .codegen.system.room import has_room
@@ -8,6 +10,8 @@ from .studies.cli.stopping import stoppable
 
 # bytes of address space that a command takes before it has done anything, most of them for libraries
 _LEAST = 500_000_000
+# seconds since 1970, up to the year 5138
+_DATE = re.compile("[0-9]{1,11}")
 
 
 def main() -> None:
@@ -20,6 +24,9 @@ def _command_line() -> None:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     if not has_room(_LEAST):
         _refuse(f"there is not enough memory: it takes {_LEAST / 1e6:.0f} MB of address space")
+    # NumPy and matplotlib read it as they are imported, and raise whatever it makes them
+    if not _DATE.fullmatch(os.environ.get("SOURCE_DATE_EPOCH", "0")):
+        _refuse("SOURCE_DATE_EPOCH must be seconds since 1970, at most 11 digits")
     try:
         from .studies.cli.main import main as command_line  # takes a while, in which a signal may come
     except OSError as error:  # no file may be opened any more
@@ -29,7 +36,10 @@ def _command_line() -> None:
 
 
 def _refuse(sentence: str) -> None:
-    print(f"hillobs: {sentence}", file=sys.stderr)
+    # without a listener the exit code says it; where there is no error stream, `print` would take the other one
+    with contextlib.suppress(OSError):
+        if sys.stderr is not None:
+            print(f"hillobs: {sentence}", file=sys.stderr)
     sys.exit(2)
 
 
