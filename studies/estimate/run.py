@@ -22,6 +22,7 @@ from ..files.errors import RecordingError, ScenarioError
 from ..files.numbers import number, switch, whole
 from ..files.progress import Progress, shares, unseen
 from ..files.quote import shown, table
+from ..kalman.record import Record
 from ..kalman.run import AUTO, FORMS, compile_passes
 from ..laboratory.gaps import bridged, refuse_impossible, refuse_long_steps
 from ..laboratory.muscles import MusclePair, read_muscles
@@ -35,7 +36,7 @@ from .case import Case, Result, Settings
 from .conditions import gain_conditions
 from .dataset import estimate_dataset
 from .first_pass import compile_first_pass, first_pass
-from .fitted import fitted_result
+from .fitted import fitted_result, record_of
 from .follow import (
     compiled_bank,
     fitted_blocks,
@@ -51,6 +52,8 @@ from .substeps import substeps
 _LONGEST_PERIOD = 0.7
 # estimates of a sample; 100 million numbers are 1 GB
 _NUMBERS, _MOST_NUMBERS = 20, 100_000_000
+
+KALMAN = "kalman"
 
 Observers = Sequence[str | Block] | str | Block | None
 
@@ -112,6 +115,15 @@ def compile_observers(muscles: MusclePair, observers: Observers = None, correcte
     compiled_bank(_bank(muscles, corrected, chosen))
     if any(observer.fitted for observer in chosen.values()):
         compile_passes(muscles.curves)
+
+
+def recorded(read: Recording, pair: MusclePair) -> tuple[Case, Record]:
+    """A recording with its muscles, and as the Kalman filter takes it. RecordingError for what no muscle can do."""
+    chosen = _chosen(KALMAN)
+    bank, (block,) = _bank(pair, True, chosen), _whole(pair, True, chosen)
+    paths = paths_of([*bank.observers, block])
+    case = _case(read, pair, compiled_bank(bank), paths, Settings(True, {}, 1))
+    return case, record_of(case, _numbers(case, paths, block))
 
 
 def _chosen(observers: Observers) -> dict[str, Observer]:
@@ -200,8 +212,12 @@ def _case(read: Recording, pair: MusclePair, compiled: CompiledBank, paths: Path
 def _pass(
     case: Case, compiled: CompiledBank, paths: Paths, block: Block, observer: Observer, progress: Progress
 ) -> Result:
-    numbers = paths.values(block, {**case.scales.numbers, **case.settings.changes, **_start(case)})
-    return fitted_result(case, block, dict(zip(block.p, numbers, strict=True)), progress)
+    return fitted_result(case, block, _numbers(case, paths, block), progress)
+
+
+def _numbers(case: Case, paths: Paths, block: Block) -> dict[str, float]:
+    values = paths.values(block, {**case.scales.numbers, **case.settings.changes, **_start(case)})
+    return dict(zip(block.p, values, strict=True))
 
 
 def _follow(
