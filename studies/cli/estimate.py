@@ -21,7 +21,7 @@ from ..laboratory.mapping import read_mapping
 from ..laboratory.muscles import read_muscles
 from ..laboratory.recording import read_recording
 from ..scenarios.layers import Value
-from .options import observer_option, set_option, whole_option
+from .options import doubt_option, observer_option, set_option, whole_option
 from .reports.estimate import failures, notes, score_table, timing
 from .reports.written import written
 from .terminal import NUMERICAL, bar, complain, print_table, say
@@ -36,6 +36,8 @@ _STEM = "estimates"
 @observer_option()
 @click.option("--map", "maps", multiple=True, metavar="NAME=COLUMN", help="Name a column, e.g. position=block_x[mm].")
 @set_option("A gain by hand: high_gain.eps_h=0.05.")
+@doubt_option()
+@click.option("--no-doubt", is_flag=True, help="Numbers are right, but for those of --doubt.")
 @click.option("--uncorrected", is_flag=True, help="Leave out the correction of the sliding mode observers' layers.")
 @whole_option("--every", 1, "Keep the estimates of every Nth sample.", default=1)
 @click.option("--out", default="estimates", show_default=True, metavar="DIR", help="Where estimates are written.")
@@ -46,6 +48,8 @@ def estimate(
     observers: tuple[str, ...],
     maps: tuple[str, ...],
     changes: dict[str, Value],
+    doubt: dict[str, float | str],
+    no_doubt: bool,
     uncorrected: bool,
     every: int,
     out: str,
@@ -74,7 +78,9 @@ def estimate(
             times[-1] = time.monotonic()
             progress(done)
 
-        dataset = estimated(read, pair, observers or None, None, not uncorrected, changes, every, advance)
+        dataset = estimated(
+            read, pair, observers or None, None, not uncorrected, changes, every, advance, doubt, not no_doubt
+        )
     reading, building, following = (after - before for before, after in itertools.pairwise(times))
     known = scores(dataset)
     with bar("writing"):

@@ -28,6 +28,8 @@ from ..laboratory.scales import scales
 from ..scenarios.layers import Value
 from ..scenarios.paths import Paths, paths_of
 from ..scenarios.scenario import checked_number
+from .bands.doubt import doubts
+from .bands.muscle import compile_sensitivities
 from .case import Case, Result, Settings
 from .conditions import gain_conditions
 from .dataset import estimate_dataset
@@ -37,8 +39,8 @@ from .substeps import substeps
 
 # periods of the muscles' own time 1/v_max between samples beyond which nothing can be followed
 _LONGEST_PERIOD = 0.7
-# estimates of a sample; 100 million numbers are 1 GB
-_NUMBERS, _MOST_NUMBERS = 20, 100_000_000
+# estimates of a sample with their standard deviations; 250 million numbers are 2 GB
+_NUMBERS, _MOST_NUMBERS = 50, 250_000_000
 
 Observers = Sequence[str | Block] | str | Block | None
 
@@ -52,6 +54,8 @@ def estimate(
     changes: Mapping[str, Value] | None = None,
     keep_every: int = 1,
     progress: Progress | None = None,
+    doubt: Mapping[str, float | str] | None = None,
+    usual_doubt: bool = True,
 ) -> xr.Dataset:
     """Follow a recording with observers and return velocities, lengths, activations and disturbance in SI.
 
@@ -61,6 +65,8 @@ def estimate(
     corrected: the sliding mode observers' layers are corrected. changes: gains by hand, path → value, such as
     {"high_gain.eps_h": 0.05}; all others follow the rule, docs/gains.md. keep_every: keep every n-th estimate; the
     observers see all samples. progress: given the part that is done, of reading and of each observer.
+    doubt: how far numbers may be off, such as {"optimal_fibre_length": "3%", "muscle1.F_max": 50, "force_bias": "5N"};
+    beside these count those of the muscle file and the usual ones, docs/observers.md#bands, unless not usual_doubt.
     The Dataset has the dimensions time, observer, muscle. RecordingError, ScenarioError for what is wrong with the
     files, BuildError if nothing can be compiled.
     """
@@ -70,6 +76,7 @@ def estimate(
     _refuse_taken(chosen, bank)
     paths = paths_of(bank.observers)
     settings = _settings(corrected, changes or {}, keep_every, paths, chosen)
+    known = doubts(pair, {} if doubt is None else doubt, switch("usual_doubt", usual_doubt))
     if isinstance(recording, Recording):
         parts, read = shares(progress or unseen, [1] * len(chosen)), recording
     else:
@@ -77,7 +84,7 @@ def estimate(
         read = read_recording(recording, mapping, next(parts))
     _check_size(len(read), settings.keep_every, len(chosen))
     compiled = compiled_bank(bank)
-    case = _case(read, pair, compiled, paths, settings)
+    case = _case(read, pair, compiled, paths, settings, known)
     results = {name: _follow(case, compiled, paths, name, chosen[name], next(parts)) for name in chosen}
     return estimate_dataset(case, results, str(compiled.path.stem))
 
@@ -86,6 +93,7 @@ def compile_observers(muscles: MusclePair, observers: Observers = None, correcte
     """Compile what `estimate` needs for these, or load it from the cache: once, and then estimates begin at once."""
     compile_first_pass()
     compiled_bank(_bank(muscles, corrected, _chosen(observers)))
+    compile_sensitivities(muscles.curves)
 
 
 def _chosen(observers: Observers) -> dict[str, Observer]:
@@ -131,7 +139,14 @@ def _check_size(samples: int, keep_every: int, observers: int) -> None:
         )
 
 
-def _case(read: Recording, pair: MusclePair, compiled: CompiledBank, paths: Paths, settings: Settings) -> Case:
+def _case(
+    read: Recording,
+    pair: MusclePair,
+    compiled: CompiledBank,
+    paths: Paths,
+    settings: Settings,
+    doubt: Mapping[str, float],
+) -> Case:
     if len(read) < 2:
         raise RecordingError(f"{read.source}: has one row of numbers; observers need two or more")
     refuse_impossible(read, pair)
@@ -148,7 +163,7 @@ def _case(read: Recording, pair: MusclePair, compiled: CompiledBank, paths: Path
     refuse_long_steps(read)
     z = tendon_lengths(compiled, np.array(paths.values(lengths_block(compiled.bank), s.numbers)), y)
     sizes = first_pass(y.T, z.T, s.numbers["plant.m"], period)
-    return Case(read, pair, s, tau, y, z, gaps, sizes, settings)
+    return Case(read, pair, s, tau, y, z, gaps, sizes, settings, doubt)
 
 
 def _follow(
