@@ -73,7 +73,7 @@ def _parts(case: Case, j: int, r: Mapping[str, float], name: str, result: Result
     x, of = np.stack([L_m, dL_m, L_S, u, *limits], axis=1), numbers(muscle.curves)
     theta = _values(muscle)
     doubted = [i for i, number in enumerate(of) if number in r]
-    sd = np.array([[r[of[i]]] for i in doubted])
+    sd = np.array([r[of[i]] for i in doubted])[:, None]
     variance = np.empty((len(x), len(MUSCLE_ESTIMATES)))
     for start in range(0, len(x), _CHUNK):
         rows = slice(start, start + _CHUNK)
