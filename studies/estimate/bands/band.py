@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -44,11 +45,13 @@ def deviations(case: Case, results: Mapping[str, Result]) -> dict[str, Variable]
         parts = {part: of[name] for part, of in (("_state", states), ("_muscle", muscles)) if name in of}
         if "_state" in parts:
             # σ² = σ_state² + σ_muscle²
-            parts[""] = np.sqrt(sum(part**2 for part in parts.values()))
+            parts[""] = functools.reduce(np.hypot, parts.values(), np.zeros(()))
         for part, values in parts.items():
-            dims, known = (_BOTH, taut_tendons) if values.ndim == len(_BOTH) else (_ALONE, True)
+            dims = _BOTH if values.ndim == len(_BOTH) else _ALONE
+            if dims == _BOTH:
+                values[:, ~taut_tendons] = np.nan
             about = f"standard deviation of the estimated {words}{_FROM[part]}"
-            found[f"{name}_sd{part}"] = dims, np.where(known, values, np.nan), {"long_name": about, "units": unit}
+            found[f"{name}_sd{part}"] = dims, values, {"long_name": about, "units": unit}
     return found
 
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import functools
+import itertools
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
@@ -36,15 +37,20 @@ def muscle_parts(case: Case, results: Mapping[str, Result]) -> dict[str, Array]:
     NaN where it is not finite, as where a tendon has no slope.
     """
     found: dict[str, Array] = {}
+    shape = len(results), len(range(len(case.tau))[case.kept])
     deviations = [_of_muscle(case, j) for j in range(len(MUSCLES))]
     if any(deviations):
-        # (muscle × observer × time × estimate)
-        parts = np.array([[_parts(case, j, r, *of) for of in results.items()] for j, r in enumerate(deviations)])
-        each = zip(MUSCLE_ESTIMATES, np.moveaxis(parts, (0, 3), (3, 0)), strict=True)
-        found = {name: values for name, values in each if np.nansum(values)}
-    q = np.stack([result.y[hat("x1")] for result in results.values()])
+        parts = np.empty((len(MUSCLE_ESTIMATES), *shape, len(MUSCLES)))
+        # next to slack S may be anything
+        with np.errstate(over="ignore", invalid="ignore"):
+            for (i, (name, result)), (j, r) in itertools.product(enumerate(results.items()), enumerate(deviations)):
+                for rows, shares in _shares(case, j, r, name, result):
+                    # σ² = Σ (S_θ r_θ)²
+                    parts[:, i, rows, j] = np.sqrt((shares**2).sum(axis=1)).T
+        parts[~np.isfinite(parts)] = np.nan
+        found = {name: part for name, part in zip(MUSCLE_ESTIMATES, parts, strict=True) if np.nansum(part)}
     if bias := case.doubt.get(POSITION_BIAS):
-        found["position"] = np.full_like(q, bias)
+        found["position"] = np.full(shape, bias)
     if case.doubt.keys() & {"mass", *_FORCE_BIASES}:
         found["disturbance"] = _of_the_disturbance(case, results)
     return found
@@ -62,26 +68,25 @@ def _of_the_disturbance(case: Case, results: Mapping[str, Result]) -> Array:
     return part
 
 
-def _parts(case: Case, j: int, r: Mapping[str, float], name: str, result: Result) -> Array:
-    """(time × estimate) of muscle j + 1 by one observer."""
-    s, muscle = case.scales, getattr(case.pair, MUSCLES[j])
-    q, dq = s.metres(result.y[hat("x1")]), s.velocity(result.y[hat("x2")])
-    L_S, u = s.metres(result.y[hat(f"x{j + 3}")]), s.velocity(result.y[hat(f"u{j + 1}")])
-    # L̇_m = −Rᵀq̇: the length at q̇ of a pair with its origins at 0
-    L_m, dL_m = lengths(q, case.pair.C)[j], lengths(dq, 0.0)[j]
-    limits = [np.full_like(q, result.gains.get(f"{name}.{key}", LIMITS[key].default)) for key in ("u_low", "u_high")]
-    x, of = np.stack([L_m, dL_m, L_S, u, *limits], axis=1), numbers(muscle.curves)
+def _shares(case: Case, j: int, r: Mapping[str, float], name: str, result: Result) -> Iterator[tuple[slice, Array]]:
+    """S_θ r_θ of muscle j + 1 by one observer, piece by piece: samples, and (samples × number in doubt × estimate)."""
+    s, muscle, y = case.scales, getattr(case.pair, MUSCLES[j]), result.y
+    of = numbers(muscle.curves)
     theta = _values(muscle)
+    values = [theta[number] for number in of]
     doubted = [i for i, number in enumerate(of) if number in r]
     sd = np.array([r[of[i]] for i in doubted])[:, None]
-    variance = np.empty((len(x), len(MUSCLE_ESTIMATES)))
-    for start in range(0, len(x), _CHUNK):
+    limits = [result.gains.get(f"{name}.{key}", LIMITS[key].default) for key in ("u_low", "u_high")]
+    for start in range(0, len(y[hat("x1")]), _CHUNK):
         rows = slice(start, start + _CHUNK)
-        (flat,) = _compiled(muscle.curves).call("sensitivities", x[rows], [theta[number] for number in of])
+        q, L_S = (s.metres(y[hat(state)][rows]) for state in ("x1", f"x{j + 3}"))
+        dq, u = (s.velocity(y[hat(rate)][rows]) for rate in ("x2", f"u{j + 1}"))
+        # L̇_m = −Rᵀq̇: the length at q̇ of a pair with its origins at 0
+        L_m, dL_m = lengths(q, case.pair.C)[j], lengths(dq, 0.0)[j]
+        x = np.stack(np.broadcast_arrays(L_m, dL_m, L_S, u, *limits), axis=1)
+        (flat,) = _compiled(muscle.curves).call("sensitivities", x, values)
         S = flat.reshape(-1, len(of), len(MUSCLE_ESTIMATES))
-        # σ² = Σ (S_θ r_θ)²
-        variance[rows] = ((S[:, doubted] * sd) ** 2).sum(axis=1)
-    return np.sqrt(np.where(np.isfinite(variance), variance, np.nan))
+        yield rows, S[:, doubted] * sd
 
 
 def _values(muscle: Muscle) -> dict[str, float]:
