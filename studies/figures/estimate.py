@@ -16,7 +16,7 @@ from matplotlib.patches import Patch
 
 from ...model.arrays import Array
 from ...observers import label
-from ..estimate.scores import SETTLED
+from ..estimate.scores import SETTLED, WITHIN_95
 from . import style
 from .page import above, settings, write_figures
 from .traces import traces, with_margin
@@ -29,8 +29,8 @@ _MOST_POINTS = 4000
 _ROW, _TALL = 0.85, 1.3
 # of the range of the values, above and below them
 _MARGIN = 0.08
-# standard deviations that 95 % of a normal distribution are within; those that are drawn, the first that is known
-_NORMAL, _WHOLE, _MUSCLE = 1.96, "_sd", "_sd_muscle"
+# deviations that are drawn: the first that is known
+_WHOLE, _MUSCLE = "_sd", "_sd_muscle"
 _WHOLE_OF = f"position{_WHOLE}"
 # two noisy lines in one panel
 _MEASURED: style.Style = {"linestyle": "-", "linewidth": 0.6}
@@ -146,7 +146,7 @@ def _shade(axes: Axes, thin: xr.Dataset, panel: Panel, observer: str, part: str,
         return False
     of = thin[[panel.variable, name]].sel(observer=observer) * panel.factor
     of = of.sel(muscle=panel.muscle) if panel.muscle else of
-    middle, width = of[panel.variable].values, _NORMAL * of[name].values
+    middle, width = of[panel.variable].values, WITHIN_95 * of[name].values
     axes.fill_between(thin.time.values, middle - width, middle + width, label="95 %", **look)
     return True
 

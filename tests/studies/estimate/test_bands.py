@@ -10,9 +10,10 @@ import xarray as xr
 from scipy.stats import norm, qmc
 
 from hillobs.model.curves import CURVES
+from hillobs.studies.cli.reports.estimate import notes
 from hillobs.studies.estimate.bands.doubt import USUAL
 from hillobs.studies.estimate.run import estimate
-from hillobs.studies.estimate.scores import SETTLED
+from hillobs.studies.estimate.scores import SETTLED, WITHIN_95
 from hillobs.studies.laboratory.muscles import SIZES, Muscle, MusclePair, numbers_of, read_muscles
 from hillobs.studies.laboratory.recording import Recording, read_recording
 from shipped_recording import MUSCLES, SHIPPED, part
@@ -156,7 +157,7 @@ def test_where_numbers_are_wrong_at_random_the_truth_is_within_the_band() -> Non
         of = estimate(recording, wrong, "kalman").sel(observer="kalman", time=slice(SETTLED, None))
         error = abs(of.activation_hat - of.true_activation)
         for suffix, shares in covered.items():
-            shares.append(float((error < 1.96 * of[f"activation{suffix}"]).mean()))
+            shares.append(float((error < WITHIN_95 * of[f"activation{suffix}"]).mean()))
     assert 0.92 < np.mean(covered["_sd"]) < 0.97
     assert np.mean(covered["_sd_state"]) < 0.4
 
@@ -175,6 +176,16 @@ def test_the_band_is_the_part_of_noise_and_that_of_the_numbers(noisy: xr.Dataset
     other = noisy.sel(observer="high_gain")
     assert np.isnan(other.activation_sd).all()
     np.testing.assert_allclose(other.activation_sd_muscle.mean(), of.activation_sd_muscle.mean(), rtol=0.05)
+
+
+def test_a_sentence_tells_what_the_numbers_may_do_to_the_activations(noisy: xr.Dataset, short: Recording) -> None:
+    (told,) = (sentence for sentence in notes(noisy) if "95 %" in sentence)
+    assert told.startswith("activations may be off by 0.16 (95 %) since the muscles' numbers are known only so well")
+    for sure in (
+        estimate(short, MUSCLES, usual_doubt=False),
+        estimate(short, MUSCLES, doubt={"mass": "1%"}, usual_doubt=False),
+    ):
+        assert "95 %" not in " ".join(notes(sure))
 
 
 def test_without_doubt_noise_is_all(short: Recording) -> None:
