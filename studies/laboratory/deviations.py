@@ -9,7 +9,8 @@ from ..files.numbers import NUMBER, number
 from ..files.quote import shown
 from .units import UNITS, find_unit
 
-_WITH_UNIT = re.compile(rf"(?P<number>{NUMBER.pattern})\s*(?P<unit>\D.*)", re.ASCII)
+# the number first, however long: what is left of 1e5 is no unit
+_WITH_UNIT = re.compile(rf"(?P<number>(?>{NUMBER.pattern}))\s*(?P<unit>\D.*)", re.ASCII)
 _PERCENT = "%"
 
 
@@ -42,5 +43,6 @@ def _typed(path: str, text: str, value: float, unit: str) -> float:
         return plain
     given, own = find_unit(symbol), UNITS.get(unit)
     if given is None or own is None or given.quantity != own.quantity:
-        raise ScenarioError(f"the sd of {path} must be in {unit} or in %, not {shown(text)}")
+        words = "in %, or a number without a unit" if unit == "1" else f"in {unit} or in %"
+        raise ScenarioError(f"the sd of {path} must be {words}, not {shown(text)}")
     return plain * given.times / given.over

@@ -80,6 +80,7 @@ BAD = [
     ("F_max=%", "the sd of muscle1.F_max must be a number, or a text such as 3%, not '%'"),
     ("F_max=1e999%", "the sd of muscle1.F_max must be a finite number, not inf"),
     ("F_max=3mm", "the sd of muscle1.F_max must be in N or in %, not '3mm'"),
+    ("damping=3mm", "the sd of muscle1.damping must be in %, or a number without a unit, not '3mm'"),
     ("v_max=3rad", "the sd of muscle1.v_max must be in 1/s or in %, not '3rad'"),
     (
         "optimal_fibre_length=3",
@@ -109,6 +110,7 @@ def test_what_is_no_doubt_is_one_sentence(
         ("{ value = 0.1, sd = 0 }", "muscle.optimal_fibre_length must be above 0, not 0"),
         ("{ value = 0.1, sd = '0 %' }", "muscle.optimal_fibre_length must be above 0, not '0 %'"),
         ("{ value = 0.1, sd = 3.0 }", "muscle.optimal_fibre_length, 3 m, is more than the number itself"),
+        ("{ value = 0.1, sd = '1e-3' }", "must be a number, or a text such as 3%, not '1e-3'"),
         ("{ value = 0.1, sd = true }", "muscle.optimal_fibre_length must be a number, not true"),
         ("{ value = 0.1, sd = [1] }", "muscle.optimal_fibre_length must be a number, not [1]"),
         ("{ value = 'a', sd = 1 }", "muscle.optimal_fibre_length must be a number, not 'a'"),
