@@ -17,11 +17,12 @@ from ..estimate.scores import scores
 from ..figures.estimate import SHEET, save_sheet
 from ..figures.page import figure_paths
 from ..files.writing import writable_folder
+from ..kalman.run import AUTO, FORMS
 from ..laboratory.mapping import read_mapping
 from ..laboratory.muscles import read_muscles
 from ..laboratory.recording import read_recording
 from ..scenarios.layers import Value
-from .options import doubt_option, observer_option, set_option, whole_option
+from .options import doubt_option, mapping_option, observer_option, seconds_option, set_option, whole_option
 from .reports.estimate import failures, notes, score_table, timing
 from .reports.written import written
 from .terminal import NUMERICAL, bar, complain, print_table, say
@@ -34,11 +35,20 @@ _STEM = "estimates"
 @click.argument("recording", metavar="RECORDING")
 @click.option("--muscles", required=True, metavar="FILE.toml", help="The muscles in SI, see docs/recordings.md.")
 @observer_option()
-@click.option("--map", "maps", multiple=True, metavar="NAME=COLUMN", help="Name a column, e.g. position=block_x[mm].")
+@mapping_option()
 @set_option("A gain by hand: high_gain.eps_h=0.05.")
 @doubt_option()
 @click.option("--no-doubt", is_flag=True, help="Numbers are right, but for those of --doubt.")
 @click.option("--uncorrected", is_flag=True, help="Leave out the correction of the sliding mode observers' layers.")
+@click.option("--smooth", is_flag=True, help="Estimates know all samples, later ones too: the Kalman filter alone can.")
+@seconds_option("--lag", "Its estimates may be so late, to know the samples until then: 20ms.")
+@click.option(
+    "--form",
+    type=click.Choice(FORMS),
+    default=AUTO,
+    show_default=True,
+    help="What its unknowns are: inputs u or activations a.",
+)
 @whole_option("--every", 1, "Keep the estimates of every Nth sample.", default=1)
 @click.option("--out", default="estimates", show_default=True, metavar="DIR", help="Where estimates are written.")
 @click.option("--no-figures", is_flag=True, help="Write no figures.")
@@ -51,6 +61,9 @@ def estimate(
     doubt: dict[str, float | str],
     no_doubt: bool,
     uncorrected: bool,
+    smooth: bool,
+    lag: float,
+    form: str,
     every: int,
     out: str,
     no_figures: bool,
@@ -79,7 +92,19 @@ def estimate(
             progress(done)
 
         dataset = estimated(
-            read, pair, observers or None, None, not uncorrected, changes, every, advance, doubt, not no_doubt
+            read,
+            pair,
+            observers or None,
+            None,
+            not uncorrected,
+            changes,
+            every,
+            advance,
+            form,
+            smooth,
+            lag,
+            doubt,
+            not no_doubt,
         )
     reading, building, following = (after - before for before, after in itertools.pairwise(times))
     known = scores(dataset)

@@ -47,7 +47,15 @@ ESTIMATES = Schema(
     attributes={
         "source": str,
         "doubt": dict[str, float],
-        "settings": {"mapping": dict[str, str], "corrected": bool, "changes": dict[str, float], "keep_every": int},
+        "settings": {
+            "mapping": dict[str, str],
+            "corrected": bool,
+            "changes": dict[str, float],
+            "keep_every": int,
+            "form": str,
+            "smooth": bool,
+            "lag": float,
+        },
     },
 )
 

@@ -76,7 +76,7 @@ def _shares(case: Case, j: int, r: Mapping[str, float], name: str, result: Resul
     values = [theta[number] for number in of]
     doubted = [i for i, number in enumerate(of) if number in r]
     sd = np.array([r[of[i]] for i in doubted])[:, None]
-    limits = [result.gains.get(f"{name}.{key}", LIMITS[key].default) for key in ("u_low", "u_high")]
+    limits = [case.settings.changes.get(f"{name}.{key}", LIMITS[key].default) for key in ("u_low", "u_high")]
     for start in range(0, len(y[hat("x1")]), _CHUNK):
         rows = slice(start, start + _CHUNK)
         q, L_S = (s.metres(y[hat(state)][rows]) for state in ("x1", f"x{j + 3}"))

@@ -23,6 +23,8 @@ pytestmark = pytest.mark.numerics
 OF_A_MUSCLE = ("tendon_length", "fibre_length", "fibre_velocity", "activation")
 # the usual ones that the shipped muscles have
 DOUBTED = [name for name in USUAL if name in {*SIZES, *numbers_of(CURVES["degroote_fregly2016"])}]
+# its gains are those of the recording, whatever the muscles; the likelihood of a filter's asks for the muscles too
+LINEAR = "high_gain_3"
 # half of it to either side: what a central difference leaves is of the order of its square
 STEP = 1e-3
 
@@ -40,18 +42,18 @@ def both(pair: MusclePair, factors: dict[str, float]) -> MusclePair:
 
 def settled(dataset: xr.Dataset, suffix: str) -> xr.Dataset:
     names = [name for name in dataset if str(name).endswith(suffix)]
-    return dataset[names].sel(observer="kalman", time=slice(SETTLED, None))
+    return dataset[names].sel(observer=LINEAR, time=slice(SETTLED, None))
 
 
 def moved(recording: Recording, below: MusclePair, above: MusclePair) -> xr.Dataset:
-    """What the estimates of the Kalman filter move by from one pair to the other."""
-    before, after = (settled(estimate(recording, pair, "kalman", usual_doubt=False), "_hat") for pair in (below, above))
+    """What the estimates move by from one pair to the other."""
+    before, after = (settled(estimate(recording, pair, LINEAR, usual_doubt=False), "_hat") for pair in (below, above))
     return after - before
 
 
 def band(recording: Recording, pair: MusclePair, doubt: dict[str, float | str]) -> xr.Dataset:
     """The part of these numbers alone."""
-    return settled(estimate(recording, pair, "kalman", doubt=doubt, usual_doubt=False), "_sd_muscle")
+    return settled(estimate(recording, pair, LINEAR, doubt=doubt, usual_doubt=False), "_sd_muscle")
 
 
 def disagreement(moves: xr.DataArray, found: xr.DataArray) -> float:
@@ -63,7 +65,7 @@ def disagreement(moves: xr.DataArray, found: xr.DataArray) -> float:
 def test_a_changed_number_moves_the_estimates_of_a_clean_recording_by_its_band(
     number: str, unlike: tuple[Path, Path]
 ) -> None:
-    """Two unlike muscles, two curve sets: as far as a difference tells a derivative, here 10⁻⁴ and better.
+    """Two unlike muscles, two curve sets: as far as a difference tells a derivative and û follows: 10⁻³.
 
     But for Thelen's tendon, whose stiffness has a corner: the filter's estimates are there a sample apart.
     """
@@ -82,7 +84,7 @@ def test_a_changed_number_moves_the_estimates_of_a_clean_recording_by_its_band(
                 continue
             told.add((name, j))
             corner = j == 2 and (number, name) in {("F_max", "fibre_velocity"), ("tendon_strain", "activation")}
-            tolerance = 0.02 if corner else 2e-4
+            tolerance = 0.02 if corner else 1e-3
             assert disagreement(move, found[f"{name}_sd_muscle"].sel(muscle=j)) < tolerance, (name, j)
     assert ("activation", 2) in told
 
@@ -112,7 +114,7 @@ def test_an_offset_of_a_sensor_moves_the_estimates_by_its_band(
     wrong = [
         dataclasses.replace(recording, **{column: getattr(recording, column) + sign * offset / 2}) for sign in (-1, 1)
     ]
-    before, after = (settled(estimate(one, pair, "kalman", usual_doubt=False), "_hat") for one in wrong)
+    before, after = (settled(estimate(one, pair, LINEAR, usual_doubt=False), "_hat") for one in wrong)
     found = band(recording, pair, {doubt: offset})
     assert {"position_bias": "position_sd_muscle"}.get(doubt, "disturbance_sd_muscle") in found
     for name in found:
@@ -128,8 +130,8 @@ def test_the_mass_and_the_distance_of_the_origins_may_be_in_doubt(unlike: tuple[
         others = [dataclasses.replace(pair, **{number: value * (1 + sign * STEP / 2)}) for sign in (-1, 1)]
         moves = moved(recording, *others)[f"{moves_what}_hat"]
         found = band(recording, pair, {number: STEP * value})[f"{moves_what}_sd_muscle"]
-        # the estimated acceleration lags
-        assert disagreement(moves, found) < 0.01
+        # the estimated acceleration lags, by 3 ε of the position's chain
+        assert disagreement(moves, found) < (0.1 if number == "mass" else 1e-3)
         if number == "C":
             assert not found.sel(muscle=1).any()
 
@@ -141,10 +143,10 @@ def test_where_numbers_are_wrong_at_random_the_truth_is_within_the_band() -> Non
     the numbers matter less.
     """
     whole = read_recording(SHIPPED)
-    first = slice(0, int((whole.time < 4).sum()))
+    first = slice(0, int((whole.time < 3).sum()))
     recording = part(whole, first, true={name: values[first] for name, values in whole.true.items()})
     pair = read_muscles(MUSCLES)
-    draws = norm.ppf(qmc.LatinHypercube(2 * len(DOUBTED), rng=np.random.default_rng(1)).random(24))
+    draws = norm.ppf(qmc.LatinHypercube(2 * len(DOUBTED), rng=np.random.default_rng(1)).random(16))
     covered: dict[str, list[float]] = {"_sd": [], "_sd_state": []}
     for draw in draws:
         factors = [
@@ -154,12 +156,12 @@ def test_where_numbers_are_wrong_at_random_the_truth_is_within_the_band() -> Non
         wrong = dataclasses.replace(
             pair, muscle1=changed(pair.muscle1, factors[0]), muscle2=changed(pair.muscle2, factors[1])
         )
-        of = estimate(recording, wrong, "kalman").sel(observer="kalman", time=slice(SETTLED, None))
+        of = estimate(recording, wrong, "kalman", form="u").sel(observer="kalman", time=slice(SETTLED, None))
         error = abs(of.activation_hat - of.true_activation)
         for suffix, shares in covered.items():
             shares.append(float((error < WITHIN_95 * of[f"activation{suffix}"]).mean()))
     assert 0.92 < np.mean(covered["_sd"]) < 0.97
-    assert np.mean(covered["_sd_state"]) < 0.4
+    assert np.mean(covered["_sd_state"]) < 0.3
 
 
 def test_the_band_is_the_part_of_noise_and_that_of_the_numbers(noisy: xr.Dataset) -> None:
