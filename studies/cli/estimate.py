@@ -22,7 +22,7 @@ from ..laboratory.mapping import read_mapping
 from ..laboratory.muscles import read_muscles
 from ..laboratory.recording import read_recording
 from ..scenarios.layers import Value
-from .options import mapping_option, observer_option, seconds_option, set_option, whole_option
+from .options import doubt_option, mapping_option, observer_option, seconds_option, set_option, whole_option
 from .reports.estimate import failures, notes, score_table, timing
 from .reports.written import written
 from .terminal import NUMERICAL, bar, complain, print_table, say
@@ -37,6 +37,8 @@ _STEM = "estimates"
 @observer_option()
 @mapping_option()
 @set_option("A gain by hand: high_gain.eps_h=0.05.")
+@doubt_option()
+@click.option("--no-doubt", is_flag=True, help="Numbers are right, but for those of --doubt.")
 @click.option("--uncorrected", is_flag=True, help="Leave out the correction of the sliding mode observers' layers.")
 @click.option("--smooth", is_flag=True, help="Estimates know all samples, later ones too: the Kalman filter alone can.")
 @seconds_option("--lag", "Its estimates may be so late, to know the samples until then: 20ms.")
@@ -56,6 +58,8 @@ def estimate(
     observers: tuple[str, ...],
     maps: tuple[str, ...],
     changes: dict[str, Value],
+    doubt: dict[str, float | str],
+    no_doubt: bool,
     uncorrected: bool,
     smooth: bool,
     lag: float,
@@ -88,7 +92,19 @@ def estimate(
             progress(done)
 
         dataset = estimated(
-            read, pair, observers or None, None, not uncorrected, changes, every, advance, form, smooth, lag
+            read,
+            pair,
+            observers or None,
+            None,
+            not uncorrected,
+            changes,
+            every,
+            advance,
+            form,
+            smooth,
+            lag,
+            doubt,
+            not no_doubt,
         )
     reading, building, following = (after - before for before, after in itertools.pairwise(times))
     known = scores(dataset)

@@ -16,7 +16,7 @@ from matplotlib.patches import Patch
 
 from ...model.arrays import Array
 from ...observers import label
-from ..estimate.scores import SETTLED
+from ..estimate.scores import SETTLED, WITHIN_95
 from . import style
 from .page import above, settings, write_figures
 from .traces import traces, with_margin
@@ -29,6 +29,9 @@ _MOST_POINTS = 4000
 _ROW, _TALL = 0.85, 1.3
 # of the range of the values, above and below them
 _MARGIN = 0.08
+# deviations that are drawn: the first that is known
+_WHOLE, _MUSCLE = "_sd", "_sd_muscle"
+_WHOLE_OF = f"position{_WHOLE}"
 # two noisy lines in one panel
 _MEASURED: style.Style = {"linestyle": "-", "linewidth": 0.6}
 
@@ -79,6 +82,9 @@ def estimate_sheet(dataset: xr.Dataset) -> Figure:
         axes[-1].set_xlim(float(thin.time[0]), float(thin.time[-1]) if thin.sizes["time"] > 1 else None)
         _measured(axes[0], axes[1], thin)
         bands = [_draw(one, thin, panel, looks) for one, panel in zip(axes[2:], shown, strict=True)]
+        surest, part = _surest(thin)
+        sure_look = style.sure(looks[surest])
+        sure = [_shade(one, thin, panel, surest, part, sure_look) for one, panel in zip(axes[2:], shown, strict=True)]
         _mark(axes, thin)
         figure.align_ylabels(axes)
         handles: list[Artist] = [Line2D([], [], label=label(name), **look) for name, look in looks.items()]
@@ -86,6 +92,9 @@ def estimate_sheet(dataset: xr.Dataset) -> Figure:
             handles.append(Line2D([], [], label="true", **style.TRUE))
         if any(bands):
             handles.append(Patch(**style.BAND))
+        if any(sure):
+            words = f"95 % of {label(surest)}" + ("" if part == _WHOLE else ", without noise")
+            handles.append(Patch(label=words, **sure_look))
         above(figure, handles)
     return figure
 
@@ -120,6 +129,26 @@ def _draw(axes: Axes, thin: xr.Dataset, panel: Panel, looks: Mapping[str, style.
         axes.plot(time, of(panel.true).values, **style.TRUE)
     axes.set_ylim(panel.limits or with_margin(np.concatenate(values), _MARGIN))
     return traces(axes, time, {name: estimates.sel(observer=name).values for name in looks}, looks)
+
+
+def _surest(thin: xr.Dataset) -> tuple[str, str]:
+    """The first observer that tells all of its deviations, else the first of all; which deviations are known of it."""
+    for observer in thin.observer.values.tolist():
+        if _WHOLE_OF in thin and thin[_WHOLE_OF].sel(observer=observer).notnull().any():
+            return observer, _WHOLE
+    return str(thin.observer.values[0]), _MUSCLE
+
+
+def _shade(axes: Axes, thin: xr.Dataset, panel: Panel, observer: str, part: str, look: style.Style) -> bool:
+    """Where, with 95 %, what an observer estimates is; whether that is known."""
+    name = panel.variable.removesuffix("_hat") + part
+    if name not in thin:
+        return False
+    of = thin[[panel.variable, name]].sel(observer=observer) * panel.factor
+    of = of.sel(muscle=panel.muscle) if panel.muscle else of
+    middle, width = of[panel.variable].values, WITHIN_95 * of[name].values
+    axes.fill_between(thin.time.values, middle - width, middle + width, label="95 %", **look)
+    return True
 
 
 def _settled(array: xr.DataArray) -> Array:

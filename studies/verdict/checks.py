@@ -58,8 +58,8 @@ def of_estimates(case: Case, acc: Array, Delta: Array, limited: Sequence[float])
     if rest > _UNEXPLAINED * explained:
         yield Finding(
             "acceleration",
-            f"the mass accelerates {rest / explained:.2g} times as much as the forces explain: it may be smaller, or the "
-            "forces may be in kN",
+            f"the mass accelerates {rest / explained:.2g} times as much as the forces explain: it may be smaller, or "
+            "the forces may be in kN",
             rest / explained,
             True,
         )
@@ -67,8 +67,8 @@ def of_estimates(case: Case, acc: Array, Delta: Array, limited: Sequence[float])
         if share > _LIMITED:
             yield Finding(
                 "limited",
-                f"activation {j} is at a limit in {share:.0%} of the samples: F_max, a length of the muscle or its "
-                "curves may be another",
+                f"activation {j} is at a limit in {share:.0%} of the samples: F_max, a length of the muscle or "
+                "its curves may be another",
                 share,
                 True,
             )

@@ -1,10 +1,13 @@
 """What an estimate writes is read back as it was computed, is the same each time, and leaves nothing stale."""
 
+import csv
 import hashlib
+import io
 import itertools
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 import xarray as xr
 
@@ -96,6 +99,46 @@ def test_the_sheet_shows_errors_where_the_truth_is_known(noisy: xr.Dataset) -> N
     assert len(estimate_sheet(alone).axes) == len(labels) - len(errors)
     bridged = alone.isel(time=[0]).assign(bridged=alone.bridged.isel(time=[0]) + 1)
     assert all(axes.collections for axes in estimate_sheet(bridged).axes)
+
+
+@pytest.mark.parametrize(("observer", "suffix"), [("kalman", "_sd"), ("high_gain", "_sd_muscle")])
+def test_the_sheet_shades_95_percent_of_the_surest_observer(noisy: xr.Dataset, observer: str, suffix: str) -> None:
+    chosen = ["high_gain_3", "high_gain", "kalman"] if observer == "kalman" else ["high_gain", "sliding_mode"]
+    shown = noisy.sel(observer=chosen)
+    figure = estimate_sheet(shown)
+    words = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert ("95 % of KF" if observer == "kalman" else "95 % of HGO, without noise") in words
+    panel = next(axes for axes in figure.axes if axes.get_ylabel() == "activation 2")
+    (shade,) = (drawn for drawn in panel.collections if drawn.get_label() == "95 %")
+    of = shown.sel(observer=observer, muscle=2)
+    width = 1.96 * of[f"activation{suffix}"]
+    corners = {tuple(corner) for path in shade.get_paths() for corner in path.vertices}
+    for side in (of.activation_hat - width, of.activation_hat + width):
+        assert set(zip(of.time.values, side.values, strict=True)) <= corners
+    # nothing is known of what is shown there
+    innovation = next(axes for axes in figure.axes if axes.get_ylabel().startswith("innovation"))
+    assert "95 %" not in [drawn.get_label() for drawn in innovation.collections]
+
+
+def test_deviations_are_written_in_the_units_of_the_estimates(noisy: xr.Dataset, tmp_path: Path) -> None:
+    both = noisy.sel(observer=["high_gain", "kalman"])
+    save_estimates(both, [], tmp_path)
+    with (tmp_path / "estimates.csv").open() as file:
+        names, *rows = csv.reader(file)
+    # an observer that knows no noise has the part of the numbers alone, and nothing else has an empty column
+    assert not [name for name in names if name.startswith("high_gain") and "_sd [" in name]
+    assert "high_gain.activation_1_sd_muscle" in names
+    assert "kalman.velocity_sd_muscle [m/s]" not in names
+    columns = dict(zip(names, np.array(rows, dtype=float).T, strict=True))
+    of = both.sel(observer="kalman")
+    np.testing.assert_array_equal(columns["kalman.velocity_sd [m/s]"], of.velocity_sd)
+    np.testing.assert_array_equal(columns["kalman.fibre_length_2_sd [m]"], of.fibre_length_sd.sel(muscle=2))
+    np.testing.assert_array_equal(columns["kalman.activation_1_sd_muscle"], of.activation_sd_muscle.sel(muscle=1))
+    table = (tmp_path / "estimates-kalman.sto").read_text().partition("endheader\n")[2]
+    label = "/forceset/m1/activation_sd"
+    values = np.genfromtxt(io.StringIO(table), delimiter="\t", skip_header=1)
+    place = table.splitlines()[0].split("\t").index(label)
+    np.testing.assert_array_equal(values[:, place], of.activation_sd.sel(muscle=1))
 
 
 def test_what_an_earlier_run_has_left_does_not_pass_for_the_new_result(
