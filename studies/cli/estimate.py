@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import json
 import sys
 import time
 from pathlib import Path
@@ -11,7 +12,7 @@ import click
 
 from ...observers import PAPER
 from ..estimate.files import estimate_paths, refuse_replacing, save_estimates
-from ..estimate.run import compile_observers
+from ..estimate.run import KALMAN, compile_observers
 from ..estimate.run import estimate as estimated
 from ..estimate.scores import scores
 from ..figures.estimate import SHEET, save_sheet
@@ -22,8 +23,10 @@ from ..laboratory.mapping import read_mapping
 from ..laboratory.muscles import read_muscles
 from ..laboratory.recording import read_recording
 from ..scenarios.layers import Value
+from ..verdict.run import verdict
 from .options import doubt_option, mapping_option, observer_option, seconds_option, set_option, whole_option
 from .reports.estimate import failures, notes, score_table, timing
+from .reports.verdict import answer, sentences
 from .reports.written import written
 from .terminal import NUMERICAL, bar, complain, print_table, say
 
@@ -49,6 +52,10 @@ _STEM = "estimates"
     show_default=True,
     help="What its unknowns are: inputs u or activations a.",
 )
+@click.option("--no-verdict", is_flag=True, help="Do not ask whether recording and muscles can be believed.")
+@click.option(
+    "--json", "as_json", is_flag=True, help="Verdict, scores and files as JSON; words go to the error stream."
+)
 @whole_option("--every", 1, "Keep the estimates of every Nth sample.", default=1)
 @click.option("--out", default="estimates", show_default=True, metavar="DIR", help="Where estimates are written.")
 @click.option("--no-figures", is_flag=True, help="Write no figures.")
@@ -64,6 +71,8 @@ def estimate(
     smooth: bool,
     lag: float,
     form: str,
+    no_verdict: bool,
+    as_json: bool,
     every: int,
     out: str,
     no_figures: bool,
@@ -107,16 +116,24 @@ def estimate(
             not no_doubt,
         )
     reading, building, following = (after - before for before, after in itertools.pairwise(times))
-    known = scores(dataset)
+    known, judged = scores(dataset), None
+    if KALMAN in names and not no_verdict:
+        with bar("weighing") as progress:
+            judged = verdict(read, pair, None, progress)
+        dataset.attrs |= {"quality": judged.quality, "verdict": json.dumps(judged.as_dict())}
     with bar("writing"):
         paths = save_estimates(dataset, known, folder)
         if not no_figures:
             paths += save_sheet(dataset, folder, _STEM)
-    say(*notes(dataset), timing(dataset, reading, building, following))
-    if known:
+    say(*notes(dataset), timing(dataset, reading, building, following), err=as_json)
+    if judged:
+        say("", *sentences(judged), err=as_json)
+    if as_json:
+        say(*answer(judged, known, paths).split("\n"))
+    elif known:
         say("")
         print_table(score_table(known))
-    say(written(paths))
+    say(written(paths), err=as_json)
     ended = list(failures(dataset))
     for sentence in ended:
         complain(sentence)

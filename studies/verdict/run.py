@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import json
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -45,9 +46,12 @@ class Verdict:
         """`good`, or `doubtful` if any finding is."""
         return "doubtful" if any(finding.doubtful for finding in self.findings) else "good"
 
-    def json(self) -> str:
-        """The same for machines."""
-        return json.dumps({"quality": self.quality, "findings": [asdict(finding) for finding in self.findings]})
+    def as_dict(self) -> dict[str, Any]:
+        """The same for a program, in words of JSON."""
+        findings = [asdict(finding) for finding in self.findings]
+        # JSON has no infinity
+        findings = [{**f, "value": f["value"] if math.isfinite(f["value"]) else None} for f in findings]
+        return {"quality": self.quality, "findings": findings}
 
 
 def verdict(
