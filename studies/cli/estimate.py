@@ -9,7 +9,6 @@ from pathlib import Path
 
 import click
 
-from ...observers import PAPER
 from ..estimate.files import estimate_paths, refuse_replacing, save_estimates
 from ..estimate.run import compile_observers
 from ..estimate.run import estimate as estimated
@@ -21,7 +20,9 @@ from ..laboratory.mapping import read_mapping
 from ..laboratory.muscles import read_muscles
 from ..laboratory.recording import read_recording
 from ..scenarios.layers import Value
-from .options import observer_option, set_option, whole_option
+from ..scenarios.observers import observers_named
+from .options import corrected_option, observer_option, set_option, whole_option
+from .own_observers import loaded
 from .reports.estimate import failures, notes, score_table, timing
 from .reports.written import written
 from .terminal import NUMERICAL, bar, complain, print_table, say
@@ -34,9 +35,9 @@ _STEM = "estimates"
 @click.argument("recording", metavar="RECORDING")
 @click.option("--muscles", required=True, metavar="FILE.toml", help="The muscles in SI, see docs/recordings.md.")
 @observer_option()
+@corrected_option(default=True)
 @click.option("--map", "maps", multiple=True, metavar="NAME=COLUMN", help="Name a column, e.g. position=block_x[mm].")
 @set_option("A gain by hand: high_gain.eps_h=0.05.")
-@click.option("--uncorrected", is_flag=True, help="Leave out the correction of the sliding mode observers' layers.")
 @whole_option("--every", 1, "Keep the estimates of every Nth sample.", default=1)
 @click.option("--out", default="estimates", show_default=True, metavar="DIR", help="Where estimates are written.")
 @click.option("--no-figures", is_flag=True, help="Write no figures.")
@@ -44,9 +45,9 @@ def estimate(
     recording: str,
     muscles: str,
     observers: tuple[str, ...],
+    corrected: bool,
     maps: tuple[str, ...],
     changes: dict[str, Value],
-    uncorrected: bool,
     every: int,
     out: str,
     no_figures: bool,
@@ -56,17 +57,16 @@ def estimate(
     It needs time, position and both tendon forces. If it has the truth too, the estimates are scored.
     """
     folder = writable_folder(Path(out))
-    pair, mapping = read_muscles(muscles), read_mapping(maps)
+    chosen, pair, mapping = loaded(observers), read_muscles(muscles), read_mapping(maps)
     times = [time.monotonic()]
     with bar("reading") as progress:
         read = read_recording(recording, mapping, progress)
     times.append(time.monotonic())
     sheet = [] if no_figures else [SHEET]
-    names = tuple(dict.fromkeys(observers or PAPER))
-    paths = estimate_paths(folder, names, bool(read.true))
+    paths = estimate_paths(folder, tuple(observers_named(chosen)), bool(read.true))
     refuse_replacing(folder, [*paths, *figure_paths(folder, _STEM, sheet)])
     with bar("following") as progress:
-        compile_observers(pair, observers or None, not uncorrected)
+        compile_observers(pair, chosen, corrected)
         # following ends with its last progress: making a Dataset imports half of dask, which no observer costs
         times += [time.monotonic()] * 2
 
@@ -74,7 +74,7 @@ def estimate(
             times[-1] = time.monotonic()
             progress(done)
 
-        dataset = estimated(read, pair, observers or None, None, not uncorrected, changes, every, advance)
+        dataset = estimated(read, pair, chosen, None, corrected, changes, every, advance)
     reading, building, following = (after - before for before, after in itertools.pairwise(times))
     known = scores(dataset)
     with bar("writing"):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -12,9 +12,8 @@ import xarray as xr
 from ...codegen.bank import Bank
 from ...codegen.filters import CompiledBank
 from ...model.arrays import Array
-from ...model.block import Block
 from ...model.symbols import MEASURED, hat
-from ...observers import OBSERVERS, PAPER, Observer
+from ...observers import OBSERVERS, Observer
 from ...observers.tendons import LENGTHS
 from ..files.errors import RecordingError, ScenarioError
 from ..files.numbers import switch, whole
@@ -26,21 +25,20 @@ from ..laboratory.recording import Recording, read_recording
 from ..laboratory.samples import MOST_NUMBERS
 from ..laboratory.scales import scales
 from ..scenarios.layers import Value
+from ..scenarios.observers import Observers, observers_named, own_among, taken
 from ..scenarios.paths import Paths, paths_of
 from ..scenarios.scenario import checked_number
 from .case import Case, Result, Settings
 from .conditions import gain_conditions
 from .dataset import estimate_dataset
 from .first_pass import compile_first_pass, first_pass
-from .follow import compiled_bank, followed, follower_bank, lengths_block, observers_named, tendon_lengths
+from .follow import compiled_bank, followed, follower_bank, lengths_block, tendon_lengths
 from .substeps import substeps
 
 # periods of the muscles' own time 1/v_max between samples beyond which nothing can be followed
 _LONGEST_PERIOD = 0.7
 # estimates of a sample; 100 million numbers are 1 GB
 _NUMBERS, _MOST_NUMBERS = 20, 100_000_000
-
-Observers = Sequence[str | Block] | str | Block | None
 
 
 def estimate(
@@ -64,7 +62,7 @@ def estimate(
     The Dataset has the dimensions time, observer, muscle. RecordingError, ScenarioError for what is wrong with the
     files, BuildError if nothing can be compiled.
     """
-    chosen = _chosen(observers)
+    chosen = observers_named(observers)
     pair = muscles if isinstance(muscles, MusclePair) else read_muscles(muscles)
     bank = _bank(pair, switch("corrected", corrected), chosen)
     _refuse_taken(chosen, bank)
@@ -85,11 +83,7 @@ def estimate(
 def compile_observers(muscles: MusclePair, observers: Observers = None, corrected: bool = True) -> None:
     """Compile what `estimate` needs for these, or load it from the cache: once, and then estimates begin at once."""
     compile_first_pass()
-    compiled_bank(_bank(muscles, corrected, _chosen(observers)))
-
-
-def _chosen(observers: Observers) -> dict[str, Observer]:
-    return observers_named([observers] if isinstance(observers, str | Block) else observers or PAPER)
+    compiled_bank(_bank(muscles, corrected, observers_named(observers)))
 
 
 def _bank(pair: MusclePair, corrected: bool, chosen: Mapping[str, Observer]) -> Bank:
@@ -98,13 +92,15 @@ def _bank(pair: MusclePair, corrected: bool, chosen: Mapping[str, Observer]) -> 
 
 
 def _refuse_taken(chosen: Mapping[str, Observer], bank: Bank) -> None:
-    """ScenarioError if a user's own observer has a name that paths or other Blocks have."""
+    """ScenarioError for a user's own observer whose name paths or Blocks have, or which no recording can move."""
     names = [block.name for block in bank.exported]
     others = [block for block in bank.observers if block.name in OBSERVERS]
     shared = {parameter.shared.partition(".")[0] for block in others for parameter in block.parameters.values()}
-    for name in chosen:
-        if name not in OBSERVERS and (name in shared or names.count(name) > 1):
-            raise ScenarioError(f"the name {name!r} is taken; give your observer another one")
+    for observer in own_among(chosen):
+        if observer.label in shared or names.count(observer.label) > 1:
+            raise taken(observer.label)
+        if observer.build().per_step:
+            raise ScenarioError(f"{observer.label} moves at the points of a time grid, and a recording has none")
 
 
 def _settings(
