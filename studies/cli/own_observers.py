@@ -74,7 +74,7 @@ def _run(path: Path) -> ModuleType:
 def _block(module: ModuleType, path: Path, name: str) -> Block:
     """The Block that `name` is in the module, or that it returns. ScenarioError if there is none."""
     if not hasattr(module, name):
-        raise ScenarioError(f"{path} has no {name}; {_blocks(module)}")
+        raise ScenarioError(f"{path} has nothing called {name}; {_blocks(module)}")
     found = getattr(module, name)
     if callable(found) and not isinstance(found, type):
         with _told(path):

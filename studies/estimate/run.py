@@ -13,7 +13,7 @@ from ...codegen.bank import Bank
 from ...codegen.filters import CompiledBank
 from ...model.arrays import Array
 from ...model.symbols import MEASURED, hat
-from ...observers import OBSERVERS, Observer
+from ...observers import Observer
 from ...observers.tendons import LENGTHS
 from ..files.errors import RecordingError, ScenarioError
 from ..files.numbers import switch, whole
@@ -25,7 +25,7 @@ from ..laboratory.recording import Recording, read_recording
 from ..laboratory.samples import MOST_NUMBERS
 from ..laboratory.scales import scales
 from ..scenarios.layers import Value
-from ..scenarios.observers import Observers, observers_named, own_among, taken
+from ..scenarios.observers import Observers, compiled_with, observers_named, own_among, refuse_taken
 from ..scenarios.paths import Paths, paths_of
 from ..scenarios.scenario import checked_number
 from .case import Case, Result, Settings
@@ -65,7 +65,6 @@ def estimate(
     chosen = observers_named(observers)
     pair = muscles if isinstance(muscles, MusclePair) else read_muscles(muscles)
     bank = _bank(pair, switch("corrected", corrected), chosen)
-    _refuse_taken(chosen, bank)
     paths = paths_of(bank.observers)
     settings = _settings(corrected, changes or {}, keep_every, paths, chosen)
     if isinstance(recording, Recording):
@@ -87,20 +86,13 @@ def compile_observers(muscles: MusclePair, observers: Observers = None, correcte
 
 
 def _bank(pair: MusclePair, corrected: bool, chosen: Mapping[str, Observer]) -> Bank:
-    """All registered observers, so that one library has any choice of them, and a user's own."""
-    return follower_bank(pair.curves, corrected, tuple({**OBSERVERS, **chosen}.values()))
-
-
-def _refuse_taken(chosen: Mapping[str, Observer], bank: Bank) -> None:
-    """ScenarioError for a user's own observer whose name paths or Blocks have, or which no recording can move."""
-    names = [block.name for block in bank.exported]
-    others = [block for block in bank.observers if block.name in OBSERVERS]
-    shared = {parameter.shared.partition(".")[0] for block in others for parameter in block.parameters.values()}
-    for observer in own_among(chosen):
-        if observer.label in shared or names.count(observer.label) > 1:
-            raise taken(observer.label)
+    bank = follower_bank(pair.curves, corrected, compiled_with(chosen))
+    own = own_among(chosen)
+    refuse_taken(own, {lengths_block(bank).name})
+    for name, observer in own.items():
         if observer.build().per_step:
-            raise ScenarioError(f"{observer.label} moves at the points of a time grid, and a recording has none")
+            raise ScenarioError(f"{name} moves at the points of a time grid, and a recording has none")
+    return bank
 
 
 def _settings(

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 
 from ...model.block import Block
+from ...model.curves import NGUYEN2019
+from ...model.pair import DRIVES
 from ...observers import OBSERVERS, PAPER, Observer
 from ..files.errors import ScenarioError
 from ..files.quote import shown
+from .loops import all_paths, paper_loop
 
 # names of registered observers and Blocks with an observer's ports; the paper's three if there are none
 Observers = Sequence[str | Block] | str | Block | None
@@ -28,23 +31,42 @@ def observers_named(given: Observers) -> dict[str, Observer]:
             chosen[observer] = OBSERVERS[observer]
         else:
             raise ScenarioError(f"unknown observer {shown(observer)}; there are {', '.join(OBSERVERS)}; {_OWN}")
+    if own := own_among(chosen):
+        refuse_taken(own, {*OBSERVERS, *_names_of_scenarios()})
     return chosen
 
 
 # the same Observer for the same Block, since what is compiled is remembered by it
 @functools.lru_cache(maxsize=64)
 def own_observer(block: Block) -> Observer:
-    """A user's Block, of which no theorem, gain rule or rates are known. ScenarioError if its name is registered."""
-    if block.name in OBSERVERS:
-        raise taken(block.name)
+    """A user's Block, of which no theorem, gain rule or rates are known."""
     return Observer(block.name, lambda: block)
 
 
-def own_among(chosen: Mapping[str, Observer]) -> tuple[Observer, ...]:
+def own_among(chosen: Mapping[str, Observer]) -> dict[str, Observer]:
     """Those that are a user's own."""
-    return tuple(observer for name, observer in chosen.items() if name not in OBSERVERS)
+    return {name: observer for name, observer in chosen.items() if OBSERVERS.get(name) is not observer}
 
 
-def taken(name: str) -> ScenarioError:
-    """What is said of an observer whose name something else has."""
-    return ScenarioError(f"the name {name!r} is taken; give your observer another one")
+def compiled_with(chosen: Mapping[str, Observer]) -> tuple[Observer, ...]:
+    """Those of a library that has the chosen ones: all that are registered, so that it serves whatever is chosen next.
+
+    A library for a user's own observer is compiled anyway: there the others need not be in it.
+    """
+    own = own_among(chosen)
+    return tuple(observer for name, observer in OBSERVERS.items() if name in chosen or not own) + tuple(own.values())
+
+
+def refuse_taken(own: Iterable[str], taken: Container[str]) -> None:
+    """ScenarioError if a user's own observer has a name that something else has."""
+    for name in own:
+        if name in taken:
+            raise ScenarioError(f"the name {name!r} is taken; give your observer another one")
+
+
+@functools.cache
+def _names_of_scenarios() -> frozenset[str]:
+    """What the Blocks of the closed loop are called, and what its paths begin with."""
+    paths = all_paths()
+    blocks = [block.name for block in paper_loop(next(iter(DRIVES)), NGUYEN2019).exported]
+    return frozenset([*blocks, *(path.partition(".")[0] for path in (*paths.parameters, *paths.groups()))])

@@ -3,21 +3,21 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from ...codegen.loop import Loop
 from ...codegen.memory import Grid
 from ...model.symbols import MUSCLES, QUANTITIES, hat
-from ...observers import OBSERVERS, PAPER, Observer
+from ...observers import PAPER, Observer
 from ...observers.score import MEASURES
 from ..files.errors import ScenarioError
 from ..files.numbers import switch
 from .grid import time_grid
 from .layers import Value, layers
 from .loops import all_paths, paper_loop
-from .observers import Observers, observers_named, own_among, taken
+from .observers import Observers, compiled_with, observers_named, own_among
 from .paths import Paths
 from .scenario import Scenario, choices, curves_of, scenario
 
@@ -84,16 +84,8 @@ def prepare(
     name, stacked = layers(source, changes)
     chosen = observers_named(observers)
     curves = curves_of(choices(stacked))
-    own = own_among(chosen)
-    _refuse_taken([observer.label for observer in own], all_paths((), curves, corrected))
-    paths = all_paths(own, curves, switch("corrected", corrected))
+    paths = all_paths(tuple(own_among(chosen).values()), curves, switch("corrected", corrected))
     return assemble(scenario(name, stacked, paths), chosen, quantities, measures, corrected)
-
-
-def _refuse_taken(own: Sequence[str], paths: Paths) -> None:
-    others = {"truth", *(path.partition(".")[0] for path in (*paths.parameters, *paths.groups()))}
-    if clash := [name for name in own if name in others]:
-        raise taken(clash[0])
 
 
 def _spelled(value: object) -> str:
@@ -108,12 +100,9 @@ def assemble(
     corrected: bool = False,
 ) -> Prepared:
     """The Blocks that run a scenario; ScenarioError for numbers that do not fit together."""
-    own = own_among(chosen)
-    paths = all_paths(own, checked.curves, corrected)
+    paths = all_paths(tuple(own_among(chosen).values()), checked.curves, corrected)
     paths.check(checked.curves, checked.given)
-    # a library for a user's observer is compiled anyway: the others need not be in it
-    registered = [observer for name, observer in OBSERVERS.items() if name in chosen or not own]
-    loop = paper_loop(checked.drive, checked.curves, (*registered, *own), corrected, None, quantities, measures)
+    loop = paper_loop(checked.drive, checked.curves, compiled_with(chosen), corrected, None, quantities, measures)
     grid = time_grid(lambda path: paths.value(path, checked.given))
     prepared = Prepared(checked, loop, paths, grid, chosen, corrected)
     _check_force_factors(prepared)

@@ -19,10 +19,8 @@ from ..plan import Plan
 def text_of(plan: Plan) -> str:
     """A Plan as JSON, each number to its last bit. ScenarioError if it holds an observer that is not ours."""
     prepared = plan.prepared
-    if own := own_among(prepared.chosen):
-        raise ScenarioError(
-            f"{own[0].label} is a Block of this process, which no text can send; sweep it without a cluster"
-        )
+    for name in own_among(prepared.chosen):
+        raise ScenarioError(f"{name} is a Block of this process, which no text can send; sweep it without a cluster")
     scenario = prepared.scenario
     content = {
         "scenario": [scenario.name, scenario.description, scenario.seed, dict(scenario.choices), dict(scenario.given)],
