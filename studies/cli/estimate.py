@@ -9,13 +9,13 @@ from pathlib import Path
 
 import click
 
-from ..estimate.files import estimate_paths, refuse_replacing, save_estimates
+from ..estimate.files import estimate_paths, refuse_replacing, report_path, save_estimates
 from ..estimate.run import compile_observers
 from ..estimate.run import estimate as estimated
 from ..estimate.scores import scores
-from ..figures.estimate import SHEET, save_sheet
-from ..figures.page import figure_paths
-from ..files.writing import writable_folder
+from ..figures.estimate import SHEET, estimate_sheet
+from ..figures.page import content, figure_paths, write_figures
+from ..files.writing import writable_folder, write_whole
 from ..laboratory.mapping import read_mapping
 from ..laboratory.muscles import read_muscles
 from ..laboratory.recording import read_recording
@@ -24,6 +24,7 @@ from ..scenarios.observers import observers_named
 from .options import corrected_option, observer_option, set_option, whole_option
 from .own_observers import loaded
 from .reports.estimate import failures, notes, score_table, timing
+from .reports.estimate_page import estimate_page
 from .reports.written import written
 from .terminal import NUMERICAL, bar, complain, print_table, say
 
@@ -41,6 +42,7 @@ _STEM = "estimates"
 @whole_option("--every", 1, "Keep the estimates of every Nth sample.", default=1)
 @click.option("--out", default="estimates", show_default=True, metavar="DIR", help="Where estimates are written.")
 @click.option("--no-figures", is_flag=True, help="Write no figures.")
+@click.option("--report", is_flag=True, help="Write a page for a browser too: figure, scores, settings, in one file.")
 def estimate(
     recording: str,
     muscles: str,
@@ -51,6 +53,7 @@ def estimate(
     every: int,
     out: str,
     no_figures: bool,
+    report: bool,
 ) -> None:
     """Estimate velocity, lengths, activations and disturbance from RECORDING: CSV, .sto or .mot, also gzipped.
 
@@ -64,7 +67,7 @@ def estimate(
     times.append(time.monotonic())
     sheet = [] if no_figures else [SHEET]
     paths = estimate_paths(folder, tuple(observers_named(chosen)), bool(read.true))
-    refuse_replacing(folder, [*paths, *figure_paths(folder, _STEM, sheet)])
+    refuse_replacing(folder, [*paths, *figure_paths(folder, _STEM, sheet), *[report_path(folder)] * report])
     with bar("following") as progress:
         compile_observers(pair, chosen, corrected)
         # following ends with its last progress: making a Dataset imports half of dask, which no observer costs
@@ -79,8 +82,13 @@ def estimate(
     known = scores(dataset)
     with bar("writing"):
         paths = save_estimates(dataset, known, folder)
+        drawn = {} if no_figures and not report else {SHEET: estimate_sheet(dataset)}
         if not no_figures:
-            paths += save_sheet(dataset, folder, _STEM)
+            paths += write_figures(drawn, folder, _STEM)
+        if report:
+            page = estimate_page(dataset, known, (), content(drawn[SHEET], "png"))
+            write_whole(report_path(folder), page)
+            paths.append(report_path(folder))
     say(*notes(dataset), timing(dataset, reading, building, following))
     if known:
         say("")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 import xarray as xr
@@ -18,7 +17,7 @@ from ...observers import label
 from ..estimate.scores import SETTLED
 from ..files.quote import drawn
 from . import style
-from .page import above, settings, write_figures
+from .page import above, settings
 from .traces import line, with_margin
 
 # what the figure is called
@@ -77,7 +76,8 @@ _PANELS = (
 def estimate_sheet(dataset: xr.Dataset) -> Figure:
     """Position and forces, and below them for each observer a column of panels, beside the truth if it is known.
 
-    In one panel observers that are all right would lie on each other, noise on noise. A row has one scale for all.
+    In one panel observers that are all right would lie on each other, noise on noise. A row has one scale for all. The
+    same estimates give the same bytes.
     """
     thin = dataset.isel(time=slice(None, None, -(-dataset.sizes["time"] // _MOST_POINTS)))
     if "true_activation" in thin:
@@ -90,7 +90,8 @@ def estimate_sheet(dataset: xr.Dataset) -> Figure:
     with settings():
         figure = Figure(figsize=(style.PAGE, sum(heights)), layout="constrained")
         grid = figure.add_gridspec(len(heights), columns, height_ratios=heights)
-        _measured(*(figure.add_subplot(grid[row, :]) for row in range(len(_HEIGHTS))), thin)
+        upper, lower = (figure.add_subplot(grid[row, :]) for row in range(len(_HEIGHTS)))
+        _measured(upper, lower, thin)
         scales = [_scale(thin, panel) for panel in shown]
         for place, (name, look) in enumerate(style.observer_colours(observers).items()):
             tier, column = divmod(place, columns)
@@ -111,11 +112,6 @@ def estimate_sheet(dataset: xr.Dataset) -> Figure:
         if any(panel.true in thin for panel in shown):
             above(figure, [Line2D([], [], label="true", **style.TRUE)])
     return figure
-
-
-def save_sheet(dataset: xr.Dataset, folder: str | Path, stem: str) -> list[Path]:
-    """Write the sheet as `STEM-sheet.png` and `.pdf`; the same estimates give the same bytes."""
-    return write_figures({SHEET: estimate_sheet(dataset)}, folder, stem)
 
 
 def _measured(upper: Axes, lower: Axes, thin: xr.Dataset) -> None:
@@ -148,7 +144,7 @@ def _scale(thin: xr.Dataset, panel: Panel) -> tuple[float, float]:
     if panel.limits:
         return panel.limits
     estimates = _of(thin, panel, panel.variable)
-    whole = np.isfinite(estimates).all("time")
+    whole = estimates.notnull().all("time")
     values = [_settled(estimates.sel(observer=whole) if whole.any() else estimates).ravel()]
     if panel.true in thin:
         values.append(_settled(_of(thin, panel, panel.true)))
