@@ -38,6 +38,8 @@ _FORCES: Mapping[int, style.Style] = {
     1: {"color": "0.25", "linewidth": 0.6},
     2: {"color": "0.65", "linewidth": 0.6},
 }
+# a scale of its own for an observer with values so many times as large as the usual one has
+_HIDES = 8.0
 # along a panel
 _NUMBERS = 5
 
@@ -76,8 +78,8 @@ _PANELS = (
 def estimate_sheet(dataset: xr.Dataset) -> Figure:
     """Position and forces, and below them for each observer a column of panels, beside the truth if it is known.
 
-    In one panel observers that are all right would lie on each other, noise on noise. A row has one scale for all. The
-    same estimates give the same bytes.
+    In one panel observers that are all right would lie on each other, noise on noise. A row has one scale, unless one
+    observer would hide the others. The same estimates give the same bytes.
     """
     thin = dataset.isel(time=slice(None, None, -(-dataset.sizes["time"] // _MOST_POINTS)))
     if "true_activation" in thin:
@@ -92,19 +94,20 @@ def estimate_sheet(dataset: xr.Dataset) -> Figure:
         grid = figure.add_gridspec(len(heights), columns, height_ratios=heights)
         upper, lower = (figure.add_subplot(grid[row, :]) for row in range(len(_HEIGHTS)))
         _measured(upper, lower, thin)
-        scales = [_scale(thin, panel) for panel in shown]
+        limits = [_limits(thin, panel) for panel in shown]
         for place, (name, look) in enumerate(style.observer_colours(observers).items()):
             tier, column = divmod(place, columns)
-            for row, (panel, scale) in enumerate(zip(shown, scales, strict=True)):
+            left = observers[place - 1] if column else ""
+            for row, (panel, scale) in enumerate(zip(shown, limits, strict=True)):
                 axes = figure.add_subplot(grid[len(_HEIGHTS) + tier * len(shown) + row, column])
-                axes.set_ylim(scale)
+                axes.set_ylim(scale[name])
                 _draw(axes, thin, panel, name, look)
                 if row == 0:
                     axes.set_title(drawn(label(name)), color=look["color"])
-                # numbers and words once for a row and for a column
-                if column == 0:
+                # words and numbers once for a row and for a column
+                if not left:
                     axes.set_ylabel(panel.words)
-                axes.tick_params(labelleft=column == 0, labelbottom=row == len(shown) - 1)
+                axes.tick_params(labelleft=scale.get(left) != scale[name], labelbottom=row == len(shown) - 1)
             axes.set_xlabel("time, s")
         for axes in figure.axes:
             _set_time(axes, thin)
@@ -139,16 +142,22 @@ def _of(thin: xr.Dataset, panel: Panel, variable: str) -> xr.DataArray:
     return array.sel(muscle=panel.muscle) if panel.muscle else array
 
 
-def _scale(thin: xr.Dataset, panel: Panel) -> tuple[float, float]:
-    """Limits for all observers: those of one that fails show only if all do, for it ends without bounds."""
+def _limits(thin: xr.Dataset, panel: Panel) -> dict[str, tuple[float, float]]:
+    """Limits for each observer: those that fit all which do not fail, or its own for one that would hide the others."""
+    names = thin.observer.values.tolist()
     if panel.limits:
-        return panel.limits
+        return dict.fromkeys(names, panel.limits)
     estimates = _of(thin, panel, panel.variable)
-    whole = estimates.notnull().all("time")
-    values = [_settled(estimates.sel(observer=whole) if whole.any() else estimates).ravel()]
-    if panel.true in thin:
-        values.append(_settled(_of(thin, panel, panel.true)))
-    return with_margin(np.concatenate(values), _MARGIN)
+    true = [_settled(_of(thin, panel, panel.true))] if panel.true in thin else []
+    values = {name: np.concatenate([_settled(estimates.sel(observer=name)), *true]) for name in names}
+    # what fails ends without bounds
+    whole = [name for name in names if estimates.sel(observer=name).notnull().all()] or names
+    sizes = {name: np.abs(values[name]).max(initial=0.0) for name in whole}
+    usual = sorted(sizes.values())[(len(sizes) - 1) // 2]
+    together = [name for name in whole if sizes[name] <= _HIDES * usual]
+    common = with_margin(np.concatenate([values[name] for name in together]), _MARGIN)
+    apart = {name: with_margin(values[name], _MARGIN) for name in whole if name not in together}
+    return {**dict.fromkeys(names, common), **apart}
 
 
 def _settled(array: xr.DataArray) -> Array:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 
 import xarray as xr
 
-from ....observers import label
+from ....model.symbols import MUSCLES
 from ...estimate.scores import SETTLED, Score
 from .estimate import failures, notes, score_cells
 from .web import image, listed, page, section, table
@@ -32,27 +32,25 @@ def _sections(dataset: xr.Dataset, scores: Sequence[Score], verdict: Sequence[st
         yield section("How far from the truth", table(rows, head, caption))
     yield section("Estimates", image(sheet, _SHEET))
     yield section("How they were made", listed(notes(dataset)))
-    observers = dataset.observer.values.tolist()
-    gains, steps = (json.loads(dataset.attrs[name]) for name in ("gains", "substeps"))
-    yield section(
-        "Observers",
-        *(
-            table(_paths({"steps from sample to sample": steps[name], **gains[name]}), caption=label(name))
-            for name in observers
-        ),
-    )
-    muscles, settings = json.loads(str(dataset.muscle_file.values)), json.loads(dataset.attrs["settings"])
-    yield section("Muscles", table(_paths(muscles), caption="in SI", words_in=True))
-    yield section("Settings", table(_paths(settings), words_in=True))
+    yield section("Muscles", *_muscles(json.loads(str(dataset.muscle_file.values))))
+    yield section("Settings", table(_rows(json.loads(dataset.attrs["settings"])), words_in=True))
     versions = {**json.loads(dataset.attrs["versions"]), "library": dataset.attrs["library"]}
-    yield section("Versions", table(versions.items(), words_in=True))
+    yield section("Versions", table(_rows(versions), words_in=True))
 
 
-def _paths(content: Mapping[str, object], prefix: str = "") -> Iterator[tuple[str, str]]:
+def _muscles(content: dict[str, object]) -> Iterator[str]:
+    """What both muscles share, and a column for each; `content` is that of a muscle file."""
+    each = [dict(_rows(content.pop(name))) for name in MUSCLES]
+    yield table(_rows(content), caption="in SI", words_in=True)
+    names = dict.fromkeys(name for muscle in each for name in muscle)
+    yield table([(name, *(muscle.get(name, "–") for muscle in each)) for name in names], ["", *MUSCLES])
+
+
+def _rows(content: object, prefix: str = "") -> Iterator[tuple[str, str]]:
     """Path and value of each leaf of nested tables; of a list of points, how many there are."""
-    for name, value in content.items():
+    for name, value in content.items() if isinstance(content, dict) else ():
         if isinstance(value, dict):
-            yield from _paths(value, f"{prefix}{name}.")
+            yield from _rows(value, f"{prefix}{name}.")
         else:
             yield prefix + name, f"{len(value)} points" if isinstance(value, list) else _plain(value)
 

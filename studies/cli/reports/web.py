@@ -37,8 +37,9 @@ def section(heading: str, *parts: str) -> str:
 
 
 def listed(sentences: Iterable[str]) -> str:
-    """Sentences as a list."""
-    return "\n".join(["<ul>", *(f"<li>{words(sentence.strip())}</li>" for sentence in sentences), "</ul>"])
+    """Sentences as a list; what begins with blanks stands further in, as on a terminal."""
+    items = [f"<li{' class=under' * sentence.startswith(' ')}>{words(sentence.strip())}</li>" for sentence in sentences]
+    return "\n".join(["<ul>", *items, "</ul>"])
 
 
 def table(
