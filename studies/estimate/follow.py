@@ -15,7 +15,7 @@ from ...model.arrays import Array
 from ...model.block import Block, Symbols, symbols
 from ...model.curves import Curves, tendon_parameters
 from ...model.symbols import MEASURED
-from ...observers import Observer, estimator
+from ...observers import Observer, estimator_of
 from ...observers.tendons import LENGTHS, tendons, tendons_of_a_step
 
 # samples between two words of progress
@@ -28,7 +28,7 @@ _LENGTHS = "lengths"
 @functools.lru_cache(maxsize=8)
 def follower_bank(curves: Curves, corrected: bool, observers: tuple[Observer, ...]) -> Bank:
     """All these observers, and first one that only tells the tendon lengths."""
-    blocks = [estimator(observer.block(corrected), curves) for observer in observers]
+    blocks = [estimator_of(observer, corrected, curves) for observer in observers]
     return Bank(MEASURED, tendons(curves), tendons_of_a_step(STAGES, curves), (_lengths(curves), *blocks))
 
 

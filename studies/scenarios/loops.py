@@ -15,7 +15,7 @@ from ...model.pair import DRIVES
 from ...model.sensors import NOISE_CHANNELS, sensors
 from ...model.signals.pulses import PULSES
 from ...model.symbols import ACTIVATIONS, MEASURED, QUANTITIES
-from ...observers import OBSERVERS, Observer, baseline_estimator, estimator
+from ...observers import OBSERVERS, Observer, baseline_estimator, estimator_of
 from ...observers.score import MEASURES, score
 from ...observers.tendons import tendons, tendons_of_a_step
 from .paths import Paths, paths_of
@@ -51,11 +51,11 @@ def paper_loop(
     )
 
 
-# the slow part of a loop, and the same for each drive
+# the same for each drive
 @functools.lru_cache(maxsize=16)
 def _bank(curves: Curves, observers: tuple[Observer, ...], corrected: bool, activations: bool) -> Bank:
     """The baseline and the observers, as estimators."""
-    estimators = [estimator(observer.block(corrected), curves, activations) for observer in observers]
+    estimators = [estimator_of(observer, corrected, curves, activations) for observer in observers]
     front, near = tendons(curves), tendons_of_a_step(STAGES, curves)
     return Bank(MEASURED, front, near, (baseline_estimator(curves, activations), *estimators))
 
