@@ -86,7 +86,8 @@ def runs() -> int:
 def test_an_own_observer_runs_in_every_study_and_only_when_it_is_named(own: Command, tmp_path: Path) -> None:
     scenario = ["paper-noisy", *SHORT, *BOTH]
     assert own("simulate", *scenario, "--set", "record=0.005", "--no-figures")[::2] == (0, "")
-    assert own("sweep", *scenario, "--over", "smooth.rate=1,5", "--workers", "2", "--out", "sweep.nc")[::2] == (0, "")
+    swept = ["--over", "smooth.rate=1,5", "--workers", "2", "--out", "sweep.nc", "--no-figures"]
+    assert own("sweep", *scenario, *swept)[::2] == (0, "")
     assert own(*ESTIMATE, *BOTH, "--set", "smooth.rate=8", "--no-figures")[::2] == (0, "")
     assert runs() == 3
     (result,) = Path("results").glob("*.nc")
@@ -106,7 +107,7 @@ def test_an_own_observer_runs_in_every_study_and_only_when_it_is_named(own: Comm
 
     # nothing that was written, and nothing that is read, names code
     assert "own.py" not in "".join(map(str, (run.attrs, swept.attrs, found.attrs)))
-    assert own("figures", "estimates/estimates.nc", "--out", "drawn")[::2] == (0, "")
+    assert own("figures", "sweep.nc", "--out", "drawn")[::2] == (0, "")
     with pytest.raises(hillobs.ScenarioError, match=r"unknown observer 'smooth'; there are .* given as its Block"):
         hillobs.estimate("short.csv", **hillobs.arguments(found))
     forged = found.assign_coords(observer=["own.py:smooth", "own.py:halving"])

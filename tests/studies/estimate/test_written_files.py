@@ -11,7 +11,6 @@ import xarray as xr
 from hillobs.studies.estimate.files import save_estimates
 from hillobs.studies.estimate.run import estimate
 from hillobs.studies.estimate.scores import scores
-from hillobs.studies.figures.estimate import estimate_sheet
 from hillobs.studies.files.datasets.netcdf import load
 from hillobs.studies.files.tables import Series, write_csv
 from hillobs.studies.laboratory.recording import Recording, read_recording
@@ -86,16 +85,6 @@ def test_the_same_recording_gives_the_same_files(
     assert command("figures", "a/estimates.nc", "--out", "drawn")[0] == 0
     for name, drawn in contents(Path("drawn")).items():
         assert drawn == both[0][name]
-
-
-def test_the_sheet_shows_errors_where_the_truth_is_known(noisy: xr.Dataset) -> None:
-    labels = [axes.get_ylabel() for axes in estimate_sheet(noisy).axes]
-    errors = [label for label in labels if label.startswith("error of")]
-    assert errors == ["error of\nactivation 1", "error of\nactivation 2"]
-    alone = noisy.drop_vars([name for name in noisy if str(name).startswith("true_")])
-    assert len(estimate_sheet(alone).axes) == len(labels) - len(errors)
-    bridged = alone.isel(time=[0]).assign(bridged=alone.bridged.isel(time=[0]) + 1)
-    assert all(axes.collections for axes in estimate_sheet(bridged).axes)
 
 
 def test_what_an_earlier_run_has_left_does_not_pass_for_the_new_result(
