@@ -32,12 +32,12 @@ class Source:
     description: Mapping[str, object]
 
 
-def export_functions(functions: Sequence[ca.Function]) -> Source:
-    """A library of functions, to be evaluated at many points."""
+def export_functions(functions: Sequence[ca.Function], caller: str = "call.cpp") -> Source:
+    """A library of functions, to be evaluated at many points, or by another `caller` of the kernel."""
     for function in functions:
         _refuse_sparse(function)
     title = f"// Functions: {', '.join(function.name() for function in functions)}"
-    parts = [title, *_lanes(), _casadi("static", functions), _function_table(functions), _kernel("call.cpp")]
+    parts = [title, *_lanes(), _casadi("static", functions), _function_table(functions), _kernel(caller)]
     listed = [
         {"name": f.name(), "in": _sizes(f.n_in(), f.numel_in), "out": _sizes(f.n_out(), f.numel_out)} for f in functions
     ]

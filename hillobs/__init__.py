@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from .model.block import Block, BlockError, Parameter, Symbols, symbols
     from .model.errors import Error
     from .studies.conformance import conformance
+    from .studies.estimate.fit import fit
     from .studies.estimate.run import estimate
     from .studies.estimate.schema import arguments
     from .studies.files.datasets.netcdf import load
@@ -38,6 +39,7 @@ _NAMES = {
     ".model.block": ("Block", "BlockError", "Parameter", "Symbols", "symbols"),
     ".model.errors": ("Error",),
     ".studies.conformance": ("conformance",),
+    ".studies.estimate.fit": ("fit",),
     ".studies.estimate.run": ("estimate",),
     ".studies.estimate.schema": ("arguments",),
     ".studies.files.errors": ("ClusterError", "RecordingError", "ResultError", "ScenarioError"),
@@ -91,6 +93,7 @@ __all__ = [
     "arguments",
     "conformance",
     "estimate",
+    "fit",
     "load",
     "observability",
     "read_muscles",

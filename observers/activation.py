@@ -24,13 +24,17 @@ LIMITS: Parameters = {
 
 @dataclass(frozen=True)
 class Formula:
-    """The activation â of muscle j as an expression of `drive`, a symbol for û_j, which is to be within its limits."""
+    """The activation â of muscle j as an expression of `drive`, a symbol for û_j, which is to be within its limits.
+
+    speed: the largest û_j of the muscle.
+    """
 
     j: int
     a: ca.SX
     drive: ca.SX
     low: ca.SX
     high: ca.SX
+    speed: ca.SX | float
 
 
 def activation_parameters(curves: Curves) -> Parameters:
@@ -43,10 +47,11 @@ def formulas(curves: Curves, u: Symbols, p: Symbols) -> Iterator[Formula]:
     sets = by_muscle(curves)
     for j, (muscle, L_m) in enumerate(zip(MUSCLES, lengths(u.x1_hat, p.C), strict=True), start=1):
         curve, numbers, L_S, drive = sets[muscle], p.part(muscle), u[f"x{j + 2}_hat"], ca.SX.sym("drive")
-        low, high = (limit * curve.speed(numbers) for limit in (p.u_low, p.u_high))
+        speed = curve.speed(numbers)
+        low, high = p.u_low * speed, p.u_high * speed
         # â_j = (Φ_S(x̂_{j+2}) − Φ_P(L̂_Cj))/(g(û_j) f(L̂_Cj))   [z]
         a = curve.activation(curve.Phi_S(L_S, numbers), L_m - L_S, drive, numbers)
-        yield Formula(j, a, drive, low, high)
+        yield Formula(j, a, drive, low, high, speed)
 
 
 def activation_estimate(curves: Curves = NGUYEN2019) -> Block:

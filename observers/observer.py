@@ -58,6 +58,7 @@ class Observer:
     rates: Rates | None = None  # its fastest; None: to be found from ∂ẋ/∂x
     limit: float = STABLE  # largest h · rate of an RK4 step
     corrected: Callable[[], Block] | None = None  # the same with its layers corrected; None: it has none
+    fitted: bool = False  # a recording is passed as a whole, to find its numbers by likelihood and to smooth
 
     def block(self, corrected: bool) -> Block:
         """The observer as it follows recordings: its layers, if it has any, `corrected` or not."""

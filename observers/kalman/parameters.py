@@ -38,10 +38,9 @@ _SLOWEST = 3.0
 # noise that is less, over the sampling period, is lost in double precision beside a wrong start
 _RESOLUTION = 1e-7
 _NOISES = ("sigma_1", "sigma_F1", "sigma_F2", "sigma_L1", "sigma_L2")
-# of the chain that each density drives
-_ORDERS = {
-    name: int(INPUTS[order].default) for name, order in (("s_D", "order_D"), ("s_u1", "order_u"), ("s_u2", "order_u"))
-}
+# an input is taken to change within this time, in τ, however little the recording tells of it
+_LONGEST = 5.0
+_USUAL = 2
 
 
 def driven(p: Symbols) -> Iterator[tuple[tuple[str, ...], ca.SX, ca.SX]]:
@@ -55,18 +54,39 @@ def resolved(s: Sizes, T: float) -> Sizes:
     return replace(s, **{name: max(getattr(s, name), _RESOLUTION * T) for name in _NOISES})
 
 
-def densities(s: Sizes, T: float) -> dict[str, float]:
+def densities(s: Sizes, T: float, order_D: int = _USUAL, order_u: int = _USUAL) -> dict[str, float]:
     """√densities with which Δ̂ and û take over as much noise as those of high gain with the ε of the first pass."""
-    # s = σ√T wⁿ,  w = c/ε, of a chain of n integrators
-    s_D = s.sigma_1 * math.sqrt(T) * (_C1 / s.eps_1) ** (_ORDERS["s_D"] + 2)
-    s_u = s.sigma_L * math.sqrt(T) * (_CL3 / s.eps_L3) ** (_ORDERS["s_u1"] + 1)
+    return _of_speeds(s, T, order_D, order_u, _C1 / s.eps_1, _CL3 / s.eps_L3)
+
+
+def least_densities(s: Sizes, T: float, order_D: int, order_u: int) -> dict[str, float]:
+    """√densities below which an input would not be followed within any time that matters."""
+    return _of_speeds(s, T, order_D, order_u, 1 / _LONGEST, 1 / _LONGEST)
+
+
+def _of_speeds(s: Sizes, T: float, order_D: int, order_u: int, w_1: float, w_L: float) -> dict[str, float]:
+    # s = σ√T wⁿ of a chain of n integrators
+    s_D = s.sigma_1 * math.sqrt(T) * w_1 ** (order_D + 2)
+    s_u = s.sigma_L * math.sqrt(T) * w_L ** (order_u + 1)
     return {"s_D": s_D, "s_u1": s_u, "s_u2": s_u}
 
 
+def noise(s: Sizes, T: float) -> dict[str, float]:
+    """Standard deviations of what is measured."""
+    known = resolved(s, T)
+    return {name: getattr(known, name) for name in NOISE}
+
+
 def gains(s: Sizes, T: float) -> Mapping[str, float]:
-    """Noise and densities for a recording: docs/gains.md."""
-    known, sizes = resolved(s, T), {"s_D": s.D, "s_u1": s.U, "s_u2": s.U}
+    """Noise and densities for a recording, from the first pass alone: docs/gains.md."""
     # s ≥ size/θ^(order − ½)
-    least = {name: size / _SLOWEST ** (_ORDERS[name] - 0.5) for name, size in sizes.items()}
-    noise = {name: getattr(known, name) for name in NOISE}
-    return {**noise, **{name: max(value, least[name]) for name, value in densities(known, T).items()}}
+    least = {name: size / _SLOWEST ** (_USUAL - 0.5) for name, size in (("s_D", s.D), ("s_u1", s.U), ("s_u2", s.U))}
+    return {**noise(s, T), **{name: max(v, least[name]) for name, v in densities(resolved(s, T), T).items()}}
+
+
+def slowest(numbers: Mapping[str, float], sigma_L: float, T: float) -> float:
+    """The frequency w of the slowest chain."""
+    # w = (s/(σ√T))^(1/n)
+    n = {"s_D": numbers["order_D"] + 2, "s_u1": numbers["order_u"] + 1, "s_u2": numbers["order_u"] + 1}
+    sigma = {"s_D": numbers["sigma_1"], "s_u1": sigma_L, "s_u2": sigma_L}
+    return float(min((numbers[s] / (sigma[s] * math.sqrt(T))) ** (1 / n[s]) for s in n))

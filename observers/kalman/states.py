@@ -25,12 +25,26 @@ ENTRIES = tuple(itertools.starmap(entry, _PAIRS))
 
 def covariance(entries: Symbols) -> ca.SX:
     """The symmetric matrix (n × n) of the scalars in ENTRIES."""
-    P = ca.SX(len(QUANTITIES), len(QUANTITIES))
-    for a, b in _PAIRS:
-        P[INDEX[a], INDEX[b]] = P[INDEX[b], INDEX[a]] = entries[entry(a, b)]
-    return P
+    return unpacked(entries.vector(), len(QUANTITIES))
 
 
 def scalars(P: ca.SX) -> Symbols:
     """The ENTRIES of a symmetric matrix."""
-    return Symbols({entry(a, b): P[INDEX[a], INDEX[b]] for a, b in _PAIRS})
+    return Symbols(zip(ENTRIES, ca.vertsplit(packed(P)), strict=True))
+
+
+def packed(P: ca.SX) -> ca.SX:
+    """The upper triangle of a symmetric matrix (n × n), row by row, as a column."""
+    return ca.vertcat(*(P[i, j] for i, j in _triangle(P.shape[0])))
+
+
+def unpacked(entries: ca.SX, n: int) -> ca.SX:
+    """The symmetric matrix (n × n) of its upper triangle."""
+    P = ca.SX(n, n)
+    for k, (i, j) in enumerate(_triangle(n)):
+        P[i, j] = P[j, i] = entries[k]
+    return P
+
+
+def _triangle(n: int) -> list[tuple[int, int]]:
+    return list(itertools.combinations_with_replacement(range(n), 2))

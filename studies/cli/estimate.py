@@ -16,12 +16,20 @@ from ..estimate.scores import scores
 from ..figures.estimate import SHEET, estimate_sheet
 from ..figures.page import content, figure_paths, write_figures
 from ..files.writing import writable_folder, write_whole
+from ..kalman.run import AUTO, FORMS
 from ..laboratory.mapping import read_mapping
 from ..laboratory.muscles import read_muscles
 from ..laboratory.recording import read_recording
 from ..scenarios.layers import Value
 from ..scenarios.observers import observers_named
-from .options import corrected_option, observer_option, set_option, whole_option
+from .options import (
+    corrected_option,
+    mapping_option,
+    observer_option,
+    seconds_option,
+    set_option,
+    whole_option,
+)
 from .own_observers import loaded
 from .reports.estimate import failures, notes, score_table, timing
 from .reports.estimate_page import estimate_page
@@ -37,8 +45,17 @@ _STEM = "estimates"
 @click.option("--muscles", required=True, metavar="FILE.toml", help="The muscles in SI, see docs/recordings.md.")
 @observer_option()
 @corrected_option(default=True)
-@click.option("--map", "maps", multiple=True, metavar="NAME=COLUMN", help="Name a column, e.g. position=block_x[mm].")
+@mapping_option()
 @set_option("A gain by hand: high_gain.eps_h=0.05.")
+@click.option("--smooth", is_flag=True, help="Estimates know all samples, later ones too: the Kalman filter alone can.")
+@seconds_option("--lag", "Its estimates may be so late, to know the samples until then: 20ms.")
+@click.option(
+    "--form",
+    type=click.Choice(FORMS),
+    default=AUTO,
+    show_default=True,
+    help="What its unknowns are: inputs u or activations a.",
+)
 @whole_option("--every", 1, "Keep the estimates of every Nth sample.", default=1)
 @click.option("--out", default="estimates", show_default=True, metavar="DIR", help="Where estimates are written.")
 @click.option("--no-figures", is_flag=True, help="Write no figures.")
@@ -50,6 +67,9 @@ def estimate(
     corrected: bool,
     maps: tuple[str, ...],
     changes: dict[str, Value],
+    smooth: bool,
+    lag: float,
+    form: str,
     every: int,
     out: str,
     no_figures: bool,
@@ -77,7 +97,7 @@ def estimate(
             times[-1] = time.monotonic()
             progress(done)
 
-        dataset = estimated(read, pair, chosen, None, corrected, changes, every, advance)
+        dataset = estimated(read, pair, chosen, None, corrected, changes, every, advance, form, smooth, lag)
     reading, building, following = (after - before for before, after in itertools.pairwise(times))
     known = scores(dataset)
     with bar("writing"):

@@ -10,7 +10,8 @@ from click.shell_completion import CompletionItem
 
 from ...observers import OBSERVERS
 from ..files.errors import ScenarioError
-from ..files.numbers import typed_whole
+from ..files.numbers import parse_number, typed_whole
+from ..files.quote import shown
 from ..scenarios.layers import Value, shipped
 from ..scenarios.loops import all_paths
 from ..scenarios.scenario import VALID_CHOICES, parse_change
@@ -19,6 +20,8 @@ from ..sweep.axes import Values, parse_axis
 Decorator = Callable[[Any], Any]
 
 _SCENARIO = "SCENARIO|FILE.toml"
+# unit → s; what ends in none of them has no unit
+_SECONDS = {"ms": 1e-3, "s": 1.0, "": 1.0}
 
 
 def scenario_argument(default: str | None = None) -> Decorator:
@@ -57,6 +60,13 @@ def corrected_option(default: bool) -> Decorator:
     )
 
 
+def mapping_option() -> Decorator:
+    """`--map NAME=COLUMN`, which may be repeated: a tuple of texts."""
+    return click.option(
+        "--map", "maps", multiple=True, metavar="NAME=COLUMN", help="Name a column, e.g. position=block_x[mm]."
+    )
+
+
 def set_option(sentence: str) -> Decorator:
     """`--set PATH=VALUE`, which may be repeated: a dict; of a path given twice the last counts."""
     return click.option(
@@ -92,6 +102,21 @@ def whole_option(name: str, least: int, sentence: str, default: int | None = Non
     return click.option(
         name, default=usual, show_default=usual is not None, metavar=metavar, callback=read, help=sentence
     )
+
+
+def seconds_option(name: str, sentence: str) -> Decorator:
+    """A time of 0 or more, in s: `20ms`, `0.02s` or `0.02`."""
+
+    def read(ctx: click.Context, param: click.Parameter, typed: str) -> float:
+        digits, factor = next(
+            (typed.removesuffix(unit), factor) for unit, factor in _SECONDS.items() if typed.endswith(unit)
+        )
+        seconds = parse_number(name, digits) * factor
+        if seconds < 0:
+            raise ScenarioError(f"{name} must be 0 or more, not {shown(typed)}")
+        return seconds
+
+    return click.option(name, default="0", show_default=True, metavar="TIME", callback=read, help=sentence)
 
 
 def _changes(ctx: click.Context, param: click.Parameter, typed: tuple[str, ...]) -> dict[str, Value]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,7 @@ from ...codegen.failure import Failure
 from ...model.arrays import Array
 from ...observers.conditions import Checked
 from ...observers.observer import Sizes
+from ..kalman.run import AUTO
 from ..laboratory.muscles import MusclePair
 from ..laboratory.recording import Recording
 from ..laboratory.scales import Scales
@@ -19,18 +21,25 @@ from ..laboratory.scales import Scales
 
 @dataclass(frozen=True)
 class Settings:
-    """What was asked for: layers `corrected`, gains by hand (path → value), which estimates are kept."""
+    """What was asked for: layers `corrected`, gains by hand (path → value), which estimates are kept.
+
+    form: of the Kalman filter; smooth: with all later samples; lag: s that its estimates may be late.
+    """
 
     corrected: bool
     changes: Mapping[str, float]
     keep_every: int
+    form: str = AUTO
+    smooth: bool = False
+    lag: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
 class Result:
     """One observer's outputs and guards by name, each (n), dimensionless, and how it was run.
 
-    violated: its gain conditions that do not hold. From a failure on the numbers are NaN.
+    violated: its gain conditions that do not hold. From a failure on the numbers are NaN. fit: what the likelihood of
+    the recording decided, if it was asked.
     """
 
     y: Mapping[str, Array]
@@ -39,11 +48,12 @@ class Result:
     substeps: int
     violated: Sequence[Checked]
     failure: Failure | None
+    fit: Mapping[str, Any] | None = None
 
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """A recording in the paper's variables: times τ (n), measurements y (n × 3), tendon lengths z (n × 2)."""
+    """A recording in the paper's variables: times τ (n), measurements y (n × 3), tendon lengths z, slopes (n × 2)."""
 
     recording: Recording
     pair: MusclePair
@@ -51,6 +61,7 @@ class Case:
     tau: Array
     y: Array
     z: Array
+    slopes: Array
     gaps: NDArray[np.bool_]
     sizes: Sizes
     settings: Settings

@@ -159,6 +159,7 @@ def _manifest(case: Case, results: Mapping[str, Result], library: str) -> dict[s
         "sizes": json.dumps(dataclasses.asdict(case.sizes)),
         "gains": json.dumps({name: dict(result.gains) for name, result in results.items()}),
         "substeps": json.dumps({name: result.substeps for name, result in results.items()}),
+        "fits": json.dumps({name: result.fit for name, result in results.items() if result.fit}),
         "violated_conditions": json.dumps({n: [str(c) for c in r.violated] for n, r in results.items() if r.violated}),
         "failures": json.dumps({n: _explain(case, n, r.failure, r.violated) for n, r in results.items() if r.failure}),
         "period": repr(case.period / case.scales.rate),

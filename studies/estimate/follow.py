@@ -13,9 +13,10 @@ from ...codegen.filters import CompiledBank, Filter
 from ...codegen.stepper import STAGES
 from ...model.arrays import Array
 from ...model.block import Block, Symbols, symbols
-from ...model.curves import Curves, tendon_parameters
+from ...model.curves import Curves
 from ...model.symbols import MEASURED
 from ...observers import Observer, estimator_of
+from ...observers.slopes import tendon_slopes
 from ...observers.tendons import LENGTHS, tendons, tendons_of_a_step
 
 # samples between two words of progress
@@ -27,9 +28,15 @@ _LENGTHS = "lengths"
 
 @functools.lru_cache(maxsize=8)
 def follower_bank(curves: Curves, corrected: bool, observers: tuple[Observer, ...]) -> Bank:
-    """All these observers, and first one that only tells the tendon lengths."""
-    blocks = [estimator_of(observer, corrected, curves) for observer in observers]
+    """All of these observers that follow samples one by one, and first one that only tells the tendons' state."""
+    blocks = [estimator_of(observer, corrected, curves) for observer in observers if not observer.fitted]
     return Bank(MEASURED, tendons(curves), tendons_of_a_step(STAGES, curves), (_lengths(curves), *blocks))
+
+
+@functools.lru_cache(maxsize=8)
+def fitted_blocks(curves: Curves, corrected: bool, observers: tuple[Observer, ...]) -> tuple[Block, ...]:
+    """The others, to which a recording is given as a whole."""
+    return tuple(estimator_of(observer, corrected, curves) for observer in observers if observer.fitted)
 
 
 @functools.lru_cache(maxsize=8)
@@ -38,14 +45,15 @@ def compiled_bank(bank: Bank) -> CompiledBank:
     return CompiledBank(bank)
 
 
-def tendon_lengths(compiled: CompiledBank, numbers: Array, y: Array) -> Array:
-    """L_S1, L_S2 (n × 2) of measurements y (n × 3)."""
+def measured_tendons(compiled: CompiledBank, numbers: Array, y: Array) -> tuple[Array, Array]:
+    """Lengths L_S1, L_S2 (n × 2) of measurements y (n × 3), and the slopes of the tendons there (n × 2)."""
     # without states time does not matter
-    return compiled.follow(_LENGTHS, numbers, 1).samples(np.arange(float(len(y))), y).y
+    told = compiled.follow(_LENGTHS, numbers, 1).samples(np.arange(float(len(y))), y).y
+    return told[:, : len(LENGTHS)], told[:, len(LENGTHS) :]
 
 
 def lengths_block(bank: Bank) -> Block:
-    """The one that tells the lengths."""
+    """The one that tells the lengths and slopes."""
     return bank.observers[0]
 
 
@@ -74,6 +82,8 @@ def _filled(t: Array, y: Array, period: float) -> tuple[Array, Array, NDArray[np
 
 
 def _lengths(curves: Curves) -> Block:
-    u, parameters = symbols([*MEASURED, *LENGTHS]), tendon_parameters(curves)
-    p = symbols(parameters)
-    return Block(_LENGTHS, u=u, p=p, parameters=parameters, y=Symbols({name: u[name] for name in LENGTHS}))
+    slopes = tendon_slopes(curves)
+    u = Symbols({**symbols(MEASURED), **slopes.u})
+    return Block(
+        _LENGTHS, u=u, p=slopes.p, parameters=slopes.parameters, y=Symbols({**slopes.u.only(LENGTHS), **slopes.y})
+    )

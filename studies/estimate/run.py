@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -12,13 +14,15 @@ import xarray as xr
 from ...codegen.bank import Bank
 from ...codegen.filters import CompiledBank
 from ...model.arrays import Array
+from ...model.block import Block
 from ...model.symbols import MEASURED, hat
-from ...observers import Observer
+from ...observers import OBSERVERS, Observer
 from ...observers.tendons import LENGTHS
 from ..files.errors import RecordingError, ScenarioError
-from ..files.numbers import switch, whole
+from ..files.numbers import number, switch, whole
 from ..files.progress import Progress, shares, unseen
 from ..files.quote import shown, table
+from ..kalman.run import AUTO, FORMS, compile_passes
 from ..laboratory.gaps import bridged, refuse_impossible, refuse_long_steps
 from ..laboratory.muscles import MusclePair, read_muscles
 from ..laboratory.recording import Recording, read_recording
@@ -32,7 +36,15 @@ from .case import Case, Result, Settings
 from .conditions import gain_conditions
 from .dataset import estimate_dataset
 from .first_pass import compile_first_pass, first_pass
-from .follow import compiled_bank, followed, follower_bank, lengths_block, tendon_lengths
+from .fitted import fitted_result
+from .follow import (
+    compiled_bank,
+    fitted_blocks,
+    followed,
+    follower_bank,
+    lengths_block,
+    measured_tendons,
+)
 from .substeps import substeps
 
 # periods of the muscles' own time 1/v_max between samples beyond which nothing can be followed
@@ -50,6 +62,9 @@ def estimate(
     changes: Mapping[str, Value] | None = None,
     keep_every: int = 1,
     progress: Progress | None = None,
+    form: str = AUTO,
+    smooth: bool = False,
+    lag: float = 0.0,
 ) -> xr.Dataset:
     """Follow a recording with observers and return velocities, lengths, activations and disturbance in SI.
 
@@ -59,14 +74,18 @@ def estimate(
     corrected: the sliding mode observers' layers are corrected. changes: gains by hand, path → value, such as
     {"high_gain.eps_h": 0.05}; all others follow the rule, docs/gains.md. keep_every: keep every n-th estimate; the
     observers see all samples. progress: given the part that is done, of reading and of each observer.
+    The rest concerns the Kalman filter. form: what its chains of integrators are, inputs "u" or activations "a", or
+    "auto": what the recording is likelier for. smooth: estimates know all samples. lag: s that they may be late, to
+    know the samples until then; by default they know no later sample.
     The Dataset has the dimensions time, observer, muscle. RecordingError, ScenarioError for what is wrong with the
     files, BuildError if nothing can be compiled.
     """
     chosen = observers_named(observers)
     pair = muscles if isinstance(muscles, MusclePair) else read_muscles(muscles)
-    bank = _bank(pair, switch("corrected", corrected), chosen)
-    paths = paths_of(bank.observers)
+    bank, whole = _bank(pair, switch("corrected", corrected), chosen), _whole(pair, corrected, chosen)
+    paths = paths_of([*bank.observers, *whole])
     settings = _settings(corrected, changes or {}, keep_every, paths, chosen)
+    settings = replace(settings, **_smoothing(chosen, form, smooth, lag))
     if isinstance(recording, Recording):
         parts, read = shares(progress or unseen, [1] * len(chosen)), recording
     else:
@@ -75,14 +94,21 @@ def estimate(
     _check_size(len(read), settings.keep_every, len(chosen))
     compiled = compiled_bank(bank)
     case = _case(read, pair, compiled, paths, settings)
-    results = {name: _follow(case, compiled, paths, name, chosen[name], next(parts)) for name in chosen}
+    blocks = {block.name: block for block in (*bank.observers, *whole)}
+    results = {
+        name: (_pass if observer.fitted else _follow)(case, compiled, paths, blocks[name], observer, next(parts))
+        for name, observer in chosen.items()
+    }
     return estimate_dataset(case, results, str(compiled.path.stem))
 
 
 def compile_observers(muscles: MusclePair, observers: Observers = None, corrected: bool = True) -> None:
     """Compile what `estimate` needs for these, or load it from the cache: once, and then estimates begin at once."""
     compile_first_pass()
-    compiled_bank(_bank(muscles, corrected, observers_named(observers)))
+    chosen = observers_named(observers)
+    compiled_bank(_bank(muscles, corrected, chosen))
+    if any(observer.fitted for observer in chosen.values()):
+        compile_passes(muscles.curves)
 
 
 def _bank(pair: MusclePair, corrected: bool, chosen: Mapping[str, Observer]) -> Bank:
@@ -93,6 +119,26 @@ def _bank(pair: MusclePair, corrected: bool, chosen: Mapping[str, Observer]) -> 
         if observer.build().per_step:
             raise ScenarioError(f"{name} moves at the points of a time grid, and a recording has none")
     return bank
+
+
+def _whole(pair: MusclePair, corrected: bool, chosen: Mapping[str, Observer]) -> tuple[Block, ...]:
+    """Those that a recording is given to as a whole."""
+    return fitted_blocks(pair.curves, corrected, compiled_with(chosen))
+
+
+def _smoothing(chosen: Mapping[str, Observer], form: str, smooth: bool, lag: float) -> dict[str, Any]:
+    """What was asked of the Kalman filter. ScenarioError says what is wrong, or that there is none to be asked."""
+    if form not in FORMS:
+        raise ScenarioError(f"unknown form {shown(form)}; there are {', '.join(FORMS)}")
+    smooth, lag = switch("smooth", smooth), number("lag", lag)
+    if lag < 0:
+        raise ScenarioError(f"lag must be 0 s or more, not {lag:g} s")
+    if smooth and lag:
+        raise ScenarioError("smooth knows all samples; a lag beside it means nothing")
+    if (smooth or lag or form != AUTO) and not any(observer.fitted for observer in chosen.values()):
+        able = ", ".join(name for name, observer in OBSERVERS.items() if observer.fitted)
+        raise ScenarioError(f"form, smooth and lag are for {able}, which is not among the observers asked for")
+    return {"form": form, "smooth": smooth, "lag": lag}
 
 
 def _settings(
@@ -134,15 +180,22 @@ def _case(read: Recording, pair: MusclePair, compiled: CompiledBank, paths: Path
             f"at most {_LONGEST_PERIOD / s.rate:.3g} s; is time in another unit?"
         )
     refuse_long_steps(read)
-    z = tendon_lengths(compiled, np.array(paths.values(lengths_block(compiled.bank), s.numbers)), y)
+    z, slopes = measured_tendons(compiled, np.array(paths.values(lengths_block(compiled.bank), s.numbers)), y)
     sizes = first_pass(y.T, z.T, s.numbers["plant.m"], period)
-    return Case(read, pair, s, tau, y, z, gaps, sizes, settings)
+    return Case(read, pair, s, tau, y, z, slopes, gaps, sizes, settings)
+
+
+def _pass(
+    case: Case, compiled: CompiledBank, paths: Paths, block: Block, observer: Observer, progress: Progress
+) -> Result:
+    numbers = paths.values(block, {**case.scales.numbers, **case.settings.changes, **_start(case)})
+    return fitted_result(case, block, dict(zip(block.p, numbers, strict=True)), progress)
 
 
 def _follow(
-    case: Case, compiled: CompiledBank, paths: Paths, name: str, observer: Observer, progress: Progress
+    case: Case, compiled: CompiledBank, paths: Paths, block: Block, observer: Observer, progress: Progress
 ) -> Result:
-    block = next(block for block in compiled.bank.observers if block.name == name)
+    name = block.name
     rule = {f"{name}.{gain}": value for gain, value in observer.gains(case.sizes, case.period).items()}
     by_hand = {path: value for path, value in case.settings.changes.items() if path.partition(".")[0] == name}
     # an observer that is not corrected has no use for some

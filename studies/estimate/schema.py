@@ -38,7 +38,15 @@ ESTIMATES = Schema(
     labels={"muscle": (1, 2), "observer": None},
     attributes={
         "source": str,
-        "settings": {"mapping": dict[str, str], "corrected": bool, "changes": dict[str, float], "keep_every": int},
+        "settings": {
+            "mapping": dict[str, str],
+            "corrected": bool,
+            "changes": dict[str, float],
+            "keep_every": int,
+            "form": str,
+            "smooth": bool,
+            "lag": float,
+        },
     },
 )
 

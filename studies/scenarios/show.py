@@ -37,6 +37,13 @@ def describe(parameter: Parameter) -> str:
     return f"{parameter.sentence}{unit} ({parameter.source})"
 
 
+def toml_value(value: object) -> str:
+    """A number or a text as TOML writes it; a whole number without a point."""
+    if isinstance(value, str):
+        return _toml(value)
+    return repr(int(value) if isinstance(value, float) and value.is_integer() else value)
+
+
 def _toml(text: str) -> str:
     """A text as TOML writes it, every character that cannot be printed as an escape."""
     quoted = json.dumps(text, ensure_ascii=False)

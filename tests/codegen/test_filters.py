@@ -2,6 +2,7 @@
 
 import itertools
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -29,7 +30,8 @@ STEP = 0.01
 
 
 def uncorrected() -> CompiledBank:
-    return compiled_bank(follower_bank(NGUYEN2019, False, tuple(OBSERVERS.values())))
+    observers = tuple(replace(observer, fitted=False) for observer in OBSERVERS.values())
+    return compiled_bank(follower_bank(NGUYEN2019, False, observers))
 
 
 def numbers(compiled: CompiledBank, observer: str, given: Mapping[str, float] | None = None) -> np.ndarray:

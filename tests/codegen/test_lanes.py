@@ -1,4 +1,7 @@
-"""Runs side by side: a run's numbers depend on nothing but its own, and what is no number stays in its lane."""
+"""Runs side by side: a run's numbers depend on nothing but its own, and what is no number stays in its lane.
+
+For this processor; `make portable` runs them for the classes of processors.
+"""
 
 import dataclasses
 import itertools
@@ -8,7 +11,7 @@ import pytest
 
 from hillobs.codegen.batch import CompiledLoop, Outcome, compile_loop
 from hillobs.codegen.filters import CompiledBank
-from hillobs.codegen.toolchain import NATIVE, PORTABLE
+from hillobs.codegen.toolchain import NATIVE
 from hillobs.model.arrays import Array
 from hillobs.studies.scenarios.prepare import BASELINE, Prepared, prepare
 from hillobs.studies.sweep import plan as planning
@@ -25,13 +28,6 @@ THREADS = (1, 2, 3, 8, 16)
 RUNS = (1, 2, 7, 8, 15, 16, 17, 31, 33)
 ORDERS = ("as is", "reversed", "shuffled")
 PARTS = (1, 7, 64, "all")
-
-
-def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
-    """Every test that asks for a target runs for this processor, and for the class that clusters compile for."""
-    if "target" in metafunc.fixturenames:
-        chosen = metafunc.config.getoption("--target")
-        metafunc.parametrize("target", [NATIVE] if chosen else dict.fromkeys([NATIVE, PORTABLE]))
 
 
 def ordered(runs: int, order: str) -> np.ndarray:
@@ -62,12 +58,12 @@ def computed(plan: Plan, compiled: CompiledLoop, threads: int) -> Rows:
 
 @pytest.mark.parametrize(("kind", "every"), [("numbers", THREADS), ("seeds", (1, 3))])
 def test_threads_runs_order_and_parts_change_no_bit(
-    kind: str, every: tuple[int, ...], target: str, monkeypatch: pytest.MonkeyPatch
+    kind: str, every: tuple[int, ...], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """All 540 combinations of a run of 0.1, every one to the last bit; fewer threads for a truth that all share."""
     monkeypatch.setattr(planning, "PART", 1)
     most = planned(kind, np.arange(max(RUNS)))
-    compiled = compile_loop(most.prepared.loop, target)
+    compiled = compile_loop(most.prepared.loop)
     # each run by itself
     alone = computed(most, compiled, 1)
     assert len({row.tobytes() for row in alone}) == max(RUNS)
@@ -88,9 +84,9 @@ def numbers_of(prepared: Prepared) -> dict[str, Array]:
     return {b.name: np.array(prepared.paths.values(b, prepared.scenario.given)) for b in prepared.loop.blocks}
 
 
-def test_sharing_the_truth_changes_no_bit(target: str) -> None:
+def test_sharing_the_truth_changes_no_bit() -> None:
     prepared = prepare("paper-noisy", None, TENTH)
-    compiled, numbers = compile_loop(prepared.loop, target), numbers_of(prepared)
+    compiled, numbers = compile_loop(prepared.loop), numbers_of(prepared)
     shared = compiled.batch(prepared.grid, np.arange(40), numbers, prepared.observers)
     odd = np.tile(numbers["truth"], (40, 1))
     odd[-1] *= 1.001
@@ -100,13 +96,13 @@ def test_sharing_the_truth_changes_no_bit(target: str) -> None:
         assert not np.array_equal(shared[observer].sums[-1], own[observer].sums[-1])
 
 
-def test_every_lane_agrees_with_the_scalar_library(target: str) -> None:
+def test_every_lane_agrees_with_the_scalar_library() -> None:
     """Different numbers in each lane: sums ≤ 1e−10; without noise the trajectories ≤ 1e−11.
 
     Both tendons stay taut: there the loop forgets a last bit, 4e−16 of a length, and gains make at most 1e4 of it.
     """
     prepared = prepare("paper-noisy", None, {"duration": 2.0, "score.start": 0.5})
-    lanes, scalar = compile_loop(prepared.loop, target), CompiledLoop(prepared.loop, "scalar")
+    lanes, scalar = compile_loop(prepared.loop), CompiledLoop(prepared.loop, "scalar")
     numbers = numbers_of(prepared)
     random = np.random.default_rng(1)
     for name in prepared.observers:
@@ -122,11 +118,11 @@ def test_every_lane_agrees_with_the_scalar_library(target: str) -> None:
 
 
 @pytest.mark.parametrize(("scenario", "duration"), [("slack", 8.0), ("slack-deep", 6.0)])
-def test_so_does_a_tendon_that_goes_taut_again(scenario: str, duration: float, target: str) -> None:
+def test_so_does_a_tendon_that_goes_taut_again(scenario: str, duration: float) -> None:
     """A last bit of a length, 4e−16, grows by 100 at most; that is 2e−10 of û (STEEPEST), whose errors exceed 1e−3."""
     prepared = prepare(scenario, None, {"duration": duration})
     seeds, numbers = np.arange(3), numbers_of(prepared)
-    lanes, scalar = compile_loop(prepared.loop, target), CompiledLoop(prepared.loop, "scalar")
+    lanes, scalar = compile_loop(prepared.loop), CompiledLoop(prepared.loop, "scalar")
     one, other = (c.batch(prepared.grid, seeds, numbers, prepared.observers) for c in (lanes, scalar))
     squares = [i for i, name in enumerate(prepared.loop.score.x) if name.endswith("squares")]
     for observer in prepared.observers:
@@ -139,20 +135,22 @@ LENGTH = 2e-15
 STEEPEST = 5e3
 
 
-def test_the_quick_inverse_of_the_tendon_changes_nothing(target: str) -> None:
+def test_the_quick_inverse_of_the_tendon_changes_nothing() -> None:
     """With and without it, of the same measurements, in a scenario whose tendons go slack.
 
     Two libraries must not simulate the same plant here: there a last bit, which is the compiler's choice, becomes 1e−9.
     """
     prepared = prepare("slack", None, {"duration": 10.0, "record": 5e-4})
-    numbers, bank = numbers_of(prepared), prepared.loop.bank
-    run = compile_loop(prepared.loop, target).run(prepared.grid, 0, numbers, prepared.observers)
+    numbers = numbers_of(prepared)
+    followers = tuple(block for block in prepared.loop.observers if block.name in prepared.observers)
+    bank = dataclasses.replace(prepared.loop.bank, observers=followers)
+    run = compile_loop(prepared.loop).run(prepared.grid, 0, numbers, prepared.observers)
     assert (
         run["truth"].y.min(axis=0)[[list(prepared.loop.truth.y).index(name) for name in ("taut1", "taut2")]] == 0
     ).all()
     y = run[prepared.loop.sensors.name].y
     t = prepared.grid.h * np.arange(len(y))
-    quick, slow = (CompiledBank(one, target) for one in (bank, dataclasses.replace(bank, near=None)))
+    quick, slow = (CompiledBank(each, NATIVE) for each in (bank, dataclasses.replace(bank, near=None)))
     for name in prepared.observers:
         one, other = (library.follow(name, numbers[name], 1).samples(t, y).y for library in (quick, slow))
         np.testing.assert_allclose(one, other, rtol=0, atol=STEEPEST * LENGTH)
@@ -179,15 +177,15 @@ CASES = [
 ]
 
 
-def batch(prepared: Prepared, target: str, numbers: dict[str, Array], runs: int) -> dict[str, Outcome]:
-    return compile_loop(prepared.loop, target).batch(prepared.grid, np.full(runs, 3), numbers, OBSERVERS)
+def batch(prepared: Prepared, numbers: dict[str, Array], runs: int) -> dict[str, Outcome]:
+    return compile_loop(prepared.loop).batch(prepared.grid, np.full(runs, 3), numbers, OBSERVERS)
 
 
 @pytest.mark.parametrize(("kind", "observer", "block", "number"), CASES, ids=lambda value: str(value))
-def test_what_is_no_number_stays_in_its_lane(kind: str, observer: str, block: str, number: str, target: str) -> None:
+def test_what_is_no_number_stays_in_its_lane(kind: str, observer: str, block: str, number: str) -> None:
     """Of as many vectors as there are lanes, and one that is not full, each has it in another lane."""
     prepared = prepare("paper-noisy", None, BRIEF)
-    lanes = compile_loop(prepared.loop, target).compiled.lanes
+    lanes = compile_loop(prepared.loop).compiled.lanes
     runs = lanes * lanes + 3
     lost = np.append(np.arange(lanes) * (lanes + 1), runs - 1)
     others = np.setdiff1d(np.arange(runs), lost)
@@ -197,12 +195,12 @@ def test_what_is_no_number_stays_in_its_lane(kind: str, observer: str, block: st
     base["truth"][0, list(prepared.loop.truth.p).index("uncertainty.amplitude")] *= 1.001
     base[block] = np.broadcast_to(base[block], (runs, base[block].shape[-1]))
     place = list({b.name: b for b in prepared.loop.blocks}[block].p).index(number)
-    clean = batch(prepared, target, base, runs)
+    clean = batch(prepared, base, runs)
     assert (clean[observer].failed == -1).all()
     for name, value in ODD.items():
         rows = base[block].copy()
         rows[lost, place] = value
-        hurt = batch(prepared, target, {**base, block: rows}, runs)
+        hurt = batch(prepared, {**base, block: rows}, runs)
         for each in ("truth", *OBSERVERS):
             assert hurt[each].sums[others].tobytes() == clean[each].sums[others].tobytes(), (name, each)
             assert (hurt[each].failed[others] == -1).all()
@@ -214,7 +212,7 @@ def test_what_is_no_number_stays_in_its_lane(kind: str, observer: str, block: st
         # the same in every lane, and as in a run by itself
         assert len(set(zip(hurt[observer].failed[lost[1:]], hurt[observer].cause[lost[1:]], strict=True))) == 1
         numbers = {key: value[-1] if value.ndim == 2 else value for key, value in {**base, block: rows}.items()}
-        alone = compile_loop(prepared.loop, target).run(prepared.grid, 3, numbers, OBSERVERS)[observer].failure
+        alone = compile_loop(prepared.loop).run(prepared.grid, 3, numbers, OBSERVERS)[observer].failure
         found = int(hurt[observer].failed[-1])
         assert (found < 0) == (alone is None)
         if alone:
@@ -237,10 +235,10 @@ def assert_recorded(of: Outcome, truth: Outcome, lost: np.ndarray) -> None:
     assert set(np.flatnonzero(gone)) <= set(lost)
 
 
-def test_every_number_of_every_block_may_be_none(target: str) -> None:
+def test_every_number_of_every_block_may_be_none() -> None:
     """Each parameter of each Block in turn, each odd value: one lost run in a vector, the others as they were."""
     prepared = prepare("paper-noisy", None, BRIEF)
-    lanes = compile_loop(prepared.loop, target).compiled.lanes
+    lanes = compile_loop(prepared.loop).compiled.lanes
     base = numbers_of(prepared)
     for block in prepared.loop.blocks:
         cases = [(place, value) for place in range(len(block.p)) for value in ODD.values()]
@@ -249,8 +247,8 @@ def test_every_number_of_every_block_may_be_none(target: str) -> None:
         lost = np.array([lanes * i + i % lanes for i in range(len(cases))])
         rows[lost, [place for place, _ in cases]] = [value for _, value in cases]
         others = np.setdiff1d(np.arange(runs), lost)
-        hurt = batch(prepared, target, {**base, block.name: rows}, runs)
-        clean = batch(prepared, target, {**base, block.name: base[block.name]}, lanes + 1)
+        hurt = batch(prepared, {**base, block.name: rows}, runs)
+        clean = batch(prepared, {**base, block.name: base[block.name]}, lanes + 1)
         for each in ("truth", *OBSERVERS):
             assert (hurt[each].failed[others] == -1).all()
             assert len({row.tobytes() for row in [*hurt[each].sums[others], clean[each].sums[0]]}) <= 1

@@ -133,7 +133,8 @@ def exit_code(program: Callable[[], None]) -> int:
     except SystemExit as end:
         code = end.code if isinstance(end.code, int) else int(end.code is not None)
     except BaseException:
-        traceback.print_exc()
+        with contextlib.suppress(OSError):  # nobody may hear it
+            traceback.print_exc()
         code = 1
     # what Python does at its end, but for the slow destruction of all objects
     threading._shutdown()

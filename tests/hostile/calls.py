@@ -69,14 +69,18 @@ def run_program(text: str) -> None:
 
     def show(message: Warning | str, category: type[Warning], *_: object) -> None:
         ours = category.__module__.startswith("hillobs")
-        print(escaped(f"{'hillobs: ' if ours else ''}{category.__name__}: {message}"), file=sys.stderr)
+        say(escaped(f"{'hillobs: ' if ours else ''}{category.__name__}: {message}"))
+
+    def say(sentence: str) -> None:
+        with contextlib.suppress(OSError):  # nobody may hear it
+            print(sentence, file=sys.stderr)
 
     warnings.showwarning = show
     names: dict[str, object] = {"hillobs": hillobs}
     try:
         exec(text, names)  # noqa: S102  a program of the test
     except hillobs.Error as error:
-        print(f"hillobs: {escaped(str(error))}", file=sys.stderr)
+        say(f"hillobs: {escaped(str(error))}")
         sys.exit(2)
     for sentence in nonsense_in(names.get("result")):
-        print(f"nonsense: {sentence}", file=sys.stderr)
+        say(f"nonsense: {sentence}")

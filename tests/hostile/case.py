@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 # one drawn case in so many has a process of its own, whatever else it meets
-FRESH = 9
+FRESH = 15
 # some of the fields of a Case; of two layers the later one is added to the earlier one
 Layer = Mapping[str, Any]
 

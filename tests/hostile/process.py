@@ -92,7 +92,7 @@ def _become(case: Case, box: Path, pipes: Mapping[str, int]) -> None:
     """Turn this fork into the command of a case."""
     from hillobs import __main__ as start
 
-    start._LEAST = 0  # all is loaded: memory may end later, and less of it is enough
+    start._LEAST = 1  # all is loaded: memory may end later, and less of it is enough
     sys.dont_write_bytecode = True  # as in the surroundings, which Python has read already
     os.setsid()
     _hear_signals()

@@ -7,13 +7,13 @@ from pathlib import Path
 
 import pytest
 
-from hostile.case import FRESH, read_case
+from hostile.case import read_case
 from hostile.warm import Warm
 
 CORPUS = sorted((Path(__file__).parent / "corpus").glob("*.json"))
-SEED = 0
-# 200 of this seed; a process of its own costs a second, so only ten have one
-DRAWN = [number for number in range(214) if number % FRESH or number < 10 * FRESH]
+SEED = 3
+# of the 2,000 of a seed that `make hostile` tries
+DRAWN = range(60)
 
 
 @pytest.fixture(scope="session")

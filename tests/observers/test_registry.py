@@ -8,11 +8,11 @@ import pytest
 
 import hillobs
 from double_pole import DOUBLE_POLE, double_pole
+from few_observers import few_observers
 from hillobs.model.block import symbols
 from hillobs.observers import OBSERVERS, PAPER, Observer
 from hillobs.observers.conditions import FACTS
 from hillobs.studies.cli.reports.listing import listing
-from hillobs.studies.scenarios.loops import all_paths, paper_loop
 from places import RECORDINGS
 
 SHORT = {"duration": 1.0, "score.start": 0.5}
@@ -20,15 +20,11 @@ RECORDING, MUSCLES = RECORDINGS / "dgf_smooth_noisy.csv.gz", RECORDINGS / "dgf_s
 
 
 @pytest.fixture
-def registered(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """The registry with one line more, from an empty memory of loops."""
-    memories = (paper_loop, all_paths)
-    for memory in memories:
-        memory.cache_clear()
-    monkeypatch.setitem(OBSERVERS, "double_pole", DOUBLE_POLE)
-    yield
-    for memory in memories:
-        memory.cache_clear()
+def registered() -> Iterator[None]:
+    """A registry of one of ours, with one line more."""
+    with few_observers("high_gain") as patched:
+        patched.setitem(OBSERVERS, "double_pole", DOUBLE_POLE)
+        yield
 
 
 @pytest.mark.usefixtures("registered")

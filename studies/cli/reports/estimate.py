@@ -16,6 +16,7 @@ from ....model.skeleton import pull
 from ....observers import label
 from ...estimate.scores import BOTH, SETTLED, Score
 from .conditions import violated_conditions
+from .likelihood import decisions
 from .number import counted, number
 
 # a table in the units that muscles have
@@ -59,11 +60,13 @@ def notes(dataset: xr.Dataset) -> Iterator[str]:
             "the mass accelerates against the difference of the tendon forces: either forces from outside rule it, or "
             "the muscles are swapped (muscle 1 pulls towards position 0)"
         )
-    gains, substeps = json.loads(attributes["gains"]), json.loads(attributes["substeps"])
+    gains, substeps, fits = (json.loads(attributes[name]) for name in ("gains", "substeps", "fits"))
     for name in dataset.observer.values.tolist():
         steps = f"{label(name)}: {counted(substeps[name], 'step')} from sample to sample"
         numbers = [f"{path.partition('.')[2]} = {value:.3g}" for path, value in gains[name].items()]
         yield f"{steps}; {', '.join(numbers)}" if numbers else steps
+        if name in fits:
+            yield from (f"  {sentence}" for sentence in decisions(fits[name], json.loads(attributes["settings"])))
         of = dataset.sel(observer=name)
         for j in (1, 2):
             for what, sentence in (

@@ -1,4 +1,4 @@
-"""A case from a seed and its number: a good command first, then what is wrong with it, a layer each."""
+"""A case from a seed and its number: a good command first, then what is wrong with it or odd about it, a layer each."""
 
 from __future__ import annotations
 
@@ -11,31 +11,38 @@ from hostile.draw.names import odd_out
 from hostile.draw.numbers import refused
 
 Draw = Callable[[Random], Layer]
+# a good command, and what is wrong with it
+Drawn = tuple[list[Layer], list[Layer]]
 # figures take seconds
-_FIGURES = 0.04
+_FIGURES = 0.02
+# shares of the good commands, and of the others, that meet something odd around them
+_AROUND_GOOD, _AROUND_OTHERS = 0.5, 0.13
 
 
 def draw(seed: int, number: int) -> list[Layer]:
     """The layers of a case; the same for the same seed and number."""
     random = Random(f"{seed}, {number}")
     (kind,) = random.choices(list(_KINDS), weights=[weight for weight, _ in _KINDS.values()])
-    layers = _KINDS[kind][1](random)
-    # what libraries raise in Python when they get no memory and no files is for the caller
-    limits = surroundings.streams if kind == "programs" else surroundings.limits
-    return [*layers, *_around(random, number % FRESH == 0, limits)]
+    base, mistakes = _KINDS[kind][1](random)
+    good = kind in _COMMANDS and not mistakes
+    around = _around(random, number % FRESH == 0, kind, _AROUND_GOOD if good else _AROUND_OTHERS)
+    return [*base, *mistakes, *(around or ([{"code": 0}] if good else []))]
 
 
-def _around(random: Random, fresh: bool, limits: Draw) -> list[Layer]:
-    """Surroundings: some cases meet signals, limits, odd streams; each fresh one those, or an odd environment."""
-    if fresh:
-        odd = random.choice((surroundings.environment, surroundings.environment, _fresh_signal, limits))
-        return [{**odd(random), "fresh": True}]
-    share = random.random()
-    if share < 0.06:
-        return [surroundings.signals(random, fresh=False)]
-    if share < 0.1:
-        return [{**limits(random), "fresh": False}]
-    return [{**surroundings.streams(random), "fresh": False}] if share < 0.13 else []
+def _around(random: Random, fresh: bool, kind: str, share: float) -> list[Layer]:
+    """Surroundings: a share of the cases meets signals, limits, odd streams; each fresh one, or an odd environment."""
+    # what Python says of a signal, and libraries without memory and files, is for the caller of the façade
+    if kind == "programs":
+        odd = (surroundings.environment,) if fresh else (surroundings.streams,)
+    elif fresh:
+        odd = (surroundings.environment, surroundings.environment, _fresh_signal, surroundings.limits)
+    else:
+        odd = (*[_signal] * 6, *[surroundings.limits] * 4, *[surroundings.streams] * 3)
+    return [{**random.choice(odd)(random), "fresh": fresh}] if fresh or random.random() < share else []
+
+
+def _signal(random: Random) -> Layer:
+    return surroundings.signals(random, fresh=False)
 
 
 def _fresh_signal(random: Random) -> Layer:
@@ -43,8 +50,8 @@ def _fresh_signal(random: Random) -> Layer:
 
 
 def _some(random: Random, draws: list[Draw], most: int = 3) -> list[Layer]:
-    """None to some of what may be wrong; one most often."""
-    count = random.choices(range(most + 1), weights=[15, 50, 25, 10][: most + 1])[0]
+    """Some of what may be wrong; nothing in half of the cases, else one thing most often."""
+    count = random.choices(range(most + 1), weights=[50, 35, 10, 5][: most + 1])[0]
     return [random.choice(draws)(random) for _ in range(count)]
 
 
@@ -61,21 +68,27 @@ def _out(name: str) -> Draw:
     return drawn
 
 
-def _simulate(random: Random) -> list[Layer]:
+def _simulate(random: Random) -> Drawn:
     base: list[Layer] = [{"words": ["simulate"]}, scenarios.short_run(random), *_figures(random)]
-    odd = [scenarios.change, scenarios.change, scenarios.change, scenarios.document, scenarios.observers]
-    last = random.choices([scenarios.scenario, scenarios.odd_file], weights=[9, 1])[0](random)
-    return [*base, *_some(random, [*odd, _out("out")]), last]
+    base += [scenarios.slight_change(random)] if random.random() < 0.5 else []
+    base += [scenarios.good_observers(random)] if random.random() < 0.5 else []
+    mistakes = _some(random, [scenarios.change, scenarios.change, scenarios.observers, _out("out")])
+    if random.random() < 0.85:
+        return [*base, scenarios.scenario(random)], mistakes
+    # last, since names that begin with a dash come after `--`
+    return base, [*mistakes, random.choice((scenarios.document, scenarios.document, scenarios.odd_file))(random)]
 
 
-def _sweep(random: Random) -> list[Layer]:
+def _sweep(random: Random) -> Drawn:
     base: list[Layer] = [
         {"words": ["sweep"]},
         scenarios.short_run(random),
         *_figures(random),
         {"words": ["--seeds", "2"]},
+        scenarios.scenario(random),
     ]
     base += [sweeps.good_axis(random)] if random.random() < 0.5 else []
+    base += [sweeps.good_option(random)] if random.random() < 0.5 else []
     base += [{"words": ["--out", "x.nc"]}] if random.random() < 0.6 else []
     odd = [
         sweeps.axis,
@@ -87,16 +100,17 @@ def _sweep(random: Random) -> list[Layer]:
         sweeps.out,
         sweeps.out,
     ]
-    return [*base, *_some(random, odd), scenarios.scenario(random)]
+    return base, _some(random, odd)
 
 
-def _estimate(random: Random) -> list[Layer]:
+def _estimate(random: Random) -> Drawn:
     base: list[Layer] = [
         {"words": ["estimate"]},
         recordings.recording(random),
         muscles.muscles(random),
         *_figures(random),
     ]
+    base += [scenarios.good_observers(random)] if random.random() < 0.5 else []
     name = base[1]["words"][0]
 
     def damaged(random: Random) -> Layer:
@@ -120,29 +134,26 @@ def _estimate(random: Random) -> list[Layer]:
         muscles.odd_file,
         gain,
     ]
-    return [*base, *_some(random, [*odd, gain, muscles.curves, scenarios.observers, _out("out")])]
+    return base, _some(random, [*odd, gain, muscles.curves, scenarios.observers, _out("out")])
 
 
-def _observability(random: Random) -> list[Layer]:
+def _observability(random: Random) -> Drawn:
+    base: list[Layer] = [{"words": ["observability"]}, scenarios.scenario(random)]
     extent = [points.extent(random)] if random.random() < 0.1 else []
-    return [
-        {"words": ["observability"]},
-        *_some(random, [points.option, points.option, scenarios.change]),
-        *extent,
-        scenarios.scenario(random),
-    ]
+    return base, [*_some(random, [points.option, points.option, scenarios.change]), *extent]
 
 
-def _drawings(random: Random) -> list[Layer]:
-    out = {"words": ["--out", "out"]}
-    return [{"words": ["figures"]}, out, drawings.drawing(random), *_some(random, [drawings.odd_file, _out("out")], 1)]
+def _drawings(random: Random) -> Drawn:
+    base: list[Layer] = [{"words": ["figures"]}, {"words": ["--out", "out"]}, drawings.drawing(random)]
+    damage = [drawings.damage(random)] if random.random() < 0.8 else []
+    return base, [*damage, *_some(random, [drawings.odd_file, _out("out")], 1)]
 
 
-def _rest(random: Random) -> list[Layer]:
+def _rest(random: Random) -> Drawn:
     words = random.choice(_REST).split()
     # nobody empties the cache that all cases share, or prints what others have left there
     own = [{"environment": {"HILLOBS_CACHE": "BOX/cache"}}] if words and words[0] in ("clean", "info") else []
-    return [{"words": words}, *own]
+    return [{"words": words}, *own], []
 
 
 # complete commands that read nothing of the user's, and incomplete ones
@@ -173,15 +184,18 @@ _REST = (
 )
 
 
-def _show(random: Random) -> list[Layer]:
-    return [{"words": ["show"]}, random.choice((scenarios.document, scenarios.odd_file, scenarios.scenario))(random)]
+def _show(random: Random) -> Drawn:
+    return [
+        {"words": ["show"]},
+        random.choice((scenarios.document, scenarios.odd_file, scenarios.scenario))(random),
+    ], []
 
 
-def _program(random: Random) -> list[Layer]:
-    return [random.choices((programs.program, programs.reading), weights=[3, 1])[0](random)]
+def _program(random: Random) -> Drawn:
+    return [random.choices((programs.program, programs.reading), weights=[3, 1])[0](random)], []
 
 
-_KINDS: dict[str, tuple[int, Callable[[Random], list[Layer]]]] = {
+_KINDS: dict[str, tuple[int, Callable[[Random], Drawn]]] = {
     "simulate": (22, _simulate),
     "sweep": (24, _sweep),
     "estimate": (22, _estimate),
@@ -191,3 +205,5 @@ _KINDS: dict[str, tuple[int, Callable[[Random], list[Layer]]]] = {
     "rest": (4, _rest),
     "programs": (10, _program),
 }
+# without a mistake they end well
+_COMMANDS = ("simulate", "sweep", "estimate", "observability", "drawings")

@@ -9,7 +9,7 @@ from hillobs.studies.scenarios.paths import RUN
 from hostile.case import Layer
 from hostile.draw import muscles, recordings
 from hostile.draw.drawings import FILE as RESULT
-from hostile.draw.drawings import drawing
+from hostile.draw.drawings import damage
 from hostile.draw.names import odd_kind
 from hostile.draw.numbers import near
 
@@ -121,14 +121,14 @@ def program(random: Random) -> Layer:
         f"hillobs.sweep('paper-noisy', {axis}, {seeds}, changes=S)",
         f"hillobs.observability(place={{'x3': {value}}})",
     ]
-    if random.random() < 0.7:
+    if random.random() < 0.5:
         return {"python": f"{_HEAD}result = {random.choice(refused)}\n", "code": 2}
     return {"python": f"{_HEAD}result = {random.choice(tried)}\n"}
 
 
 def reading(random: Random) -> Layer:
     """A call that reads files, which may be odd; or one with an odd argument beside good files."""
-    layer = random.choice((drawing, recordings.recording, muscles.muscles))(random)
+    layer = random.choice((damage, recordings.recording, muscles.muscles))(random)
     (name, entry), *_ = layer["files"].items()
     files = {name: entry}
     if random.random() < 0.2:

@@ -51,7 +51,7 @@ _TEXTS = (
 
 def short_run(random: Random) -> Layer:
     """What makes a run short enough for many cases."""
-    duration = random.choice(["0.2"] * 6 + ["0.05", "1", "3"])
+    duration = random.choice(["0.2"] * 8 + ["0.05", "1"])
     return {"words": ["--set", f"duration={duration}", "--set", "score.start=0.04"]}
 
 
@@ -66,6 +66,14 @@ def change(random: Random) -> Layer:
     """A number, a choice or a text changed by --set."""
     path, value = changed(random)
     return {"words": ["--set", f"{path}={value}"], **(refused(value) if path != "description" else {})}
+
+
+def slight_change(random: Random) -> Layer:
+    """A number that hardly differs from the usual one, written in some way that is allowed."""
+    path = random.choice(("plant.m", "high_gain.m", "high_gain.eps_h", "sliding_mode.delta_s", "controller.gamma"))
+    value = all_paths().parameters[path].default
+    written = random.choice(("{!r}", "{:.12e}", "{:+.6f}", "{:.9g}"))
+    return {"words": ["--set", f"{path}={written.format(value * random.choice((0.999, 1.0, 1.001)))}"]}
 
 
 def changed(random: Random) -> tuple[str, str]:
@@ -131,8 +139,14 @@ def odd_file(random: Random) -> Layer:
 
 
 def observers(random: Random) -> Layer:
-    """Some observers, or one that there is none of."""
-    names = random.choice([["kalman"], [""], ["high_gain", "high_gain"], ["baseline"], ["\x1b[31m"], ["truth"]])
-    if random.random() < 0.7:
-        names = random.sample(OBSERVERS, random.choice([1, 2, 4]))
+    """One observer that may not be named here, or not twice, or that there is none of."""
+    return _named(random.choice([["kalman"], [""], ["high_gain", "high_gain"], ["baseline"], ["\x1b[31m"], ["truth"]]))
+
+
+def good_observers(random: Random) -> Layer:
+    """Some observers."""
+    return _named(random.sample(OBSERVERS, random.choice([1, 2, 4])))
+
+
+def _named(names: list[str]) -> Layer:
     return {"words": [word for name in names for word in ("--observer", name)]}

@@ -42,6 +42,17 @@ def good_axis(random: Random) -> Layer:
     return {"words": ["--over", random.choice(("high_gain.eps_h=0.05,0.1", "plant.m=1,1.1", "noise.x1=lin:0:0.002:3"))]}
 
 
+def good_option(random: Random) -> Layer:
+    """Another option that is as it should be."""
+    options = (
+        ["--workers", "1"],
+        ["--workers", "3"],
+        ["--measure", "rmse"],
+        ["--quantity", random.choice(_QUANTITIES)],
+    )
+    return {"words": random.choice(options)}
+
+
 def option(random: Random) -> Layer:
     """Any other option of a sweep, good or bad."""
     words = random.choice(

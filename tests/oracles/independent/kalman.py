@@ -64,13 +64,32 @@ def tendon_slopes(z: np.ndarray) -> np.ndarray:
 
 def kalman(model: Model, t: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Means (samples × n) and covariances (samples × n × n) after each sample."""
+    steps = filtered(model, t, y)
+    return np.array([step.x for step in steps]), np.array([step.P for step in steps])
+
+
+@dataclass(frozen=True)
+class Step:
+    """The motion to a sample, what is expected there, and what it is after the measurement; log L of that."""
+
+    F: np.ndarray
+    x_before: np.ndarray
+    P_before: np.ndarray
+    x: np.ndarray
+    P: np.ndarray
+    log_likelihood: float
+
+
+def filtered(model: Model, t: np.ndarray, y: np.ndarray) -> list[Step]:
+    """All steps of the filter."""
     x = P = before = None
-    every = []
+    steps = []
     for now, measured in zip(t, y, strict=True):
         z = Phi_S_inv(measured[1:, None], TENDON)[:, 0]
         p = tendon_slopes(z)
         R = np.array([model.sigma[0], *(np.array(model.sigma[1:]) / p)]) ** 2
         acc = (measured[2] - measured[1]) / model.m
+        F = np.eye(model.n)
         if before is None:
             x, P = model.start(measured, R)
         else:
@@ -89,16 +108,33 @@ def kalman(model: Model, t: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.n
             x = F @ x + moved[: model.n, model.n :] @ [known[0], (known[1] - known[0]) / T]
             QT = model.noise() * T
             P = F @ (P + QT / 2) @ F.T + QT / 2
+        x_before, P_before = x, P
         H = np.zeros((3, model.n))
         H[[0, 1, 2], [0, 2, 3]] = 1
-        K = P @ H.T @ np.linalg.inv(H @ P @ H.T + np.diag(R))
-        x = x + K @ (np.array([measured[0], *z]) - H @ x)
+        S = H @ P @ H.T + np.diag(R)
+        nu = np.array([measured[0], *z]) - H @ x
+        K = P @ H.T @ np.linalg.inv(S)
+        x = x + K @ nu
         # Joseph's form
         rest = np.eye(model.n) - K @ H
         P = rest @ P @ rest.T + K @ np.diag(R) @ K.T
         before = now, p, z, acc
-        every.append((x, P))
-    return np.array([x for x, _ in every]), np.array([P for _, P in every])
+        value = -0.5 * (nu @ np.linalg.solve(S, nu) + np.linalg.slogdet(2 * np.pi * S)[1])
+        steps.append(Step(F, x_before, P_before, x, P, float(value)))
+    return steps
+
+
+def smoothed(steps: list[Step]) -> tuple[np.ndarray, np.ndarray]:
+    """Means and covariances that know all samples, by Rauch, Tung and Striebel."""
+    x, P = steps[-1].x, steps[-1].P
+    means, covariances = [x], [P]
+    for now, after in zip(steps[-2::-1], steps[:0:-1], strict=True):
+        C = np.linalg.solve(after.P_before, after.F @ now.P).T
+        x = now.x + C @ (x - after.x_before)
+        P = now.P + C @ (P - after.P_before) @ C.T
+        means.append(x)
+        covariances.append(P)
+    return np.array(means[::-1]), np.array(covariances[::-1])
 
 
 class Plant:

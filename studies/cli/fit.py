@@ -1,0 +1,38 @@
+"""`hillobs fit`: the Kalman filter's densities and orders by maximum likelihood."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from ..estimate.fit import fitted
+from ..files.writing import refuse_overwriting, writable_folder, write_whole
+from ..laboratory.mapping import read_mapping
+from ..scenarios.layers import Value
+from .options import mapping_option, set_option
+from .reports.fit import scenario_file, sentences
+from .reports.written import written
+from .terminal import bar, say
+
+
+@click.command()
+@click.argument("source", metavar="SCENARIO|RECORDING")
+@click.option("--muscles", metavar="FILE.toml", help="The muscles in SI: then SOURCE is a recording.")
+@mapping_option()
+@set_option("A number of the scenario, or of the filter by hand: kalman.order_u=2.")
+@click.option("--out", default="results", show_default=True, metavar="DIR", help="Where the numbers are written.")
+def fit(source: str, muscles: str | None, maps: tuple[str, ...], changes: dict[str, Value], out: str) -> None:
+    """Find the densities and orders of the Kalman filter for which what was measured is likeliest.
+
+    SOURCE is a scenario, or with --muscles a recording. The numbers are written as a scenario file: that of a scenario
+    can be run as it is.
+    """
+    folder = writable_folder(Path(out))
+    with bar("fitting") as progress:
+        found = fitted(source, muscles, read_mapping(maps), changes, progress)
+    path = folder / f"fitted-{found.label}.toml"
+    refuse_overwriting([path])
+    say(*sentences(found))
+    write_whole(path, scenario_file(found).encode())
+    say(written([path]))

@@ -1,0 +1,25 @@
+"""What a fit has to say, and its numbers as a scenario file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ....observers import label
+from ...estimate.fit import KALMAN, Fitted
+from ...scenarios.show import toml_value
+from .likelihood import orders
+
+
+def sentences(found: Fitted) -> Iterator[str]:
+    """The orders and why, then the numbers."""
+    yield f"{found.label}: {found.samples:,} samples"
+    yield f"{label(KALMAN)}: orders by maximum likelihood: {orders(found.choice, 'u')}"
+    numbers = (f"{path.partition('.')[2]} = {value:.3g}" for path, value in found.numbers.items())
+    yield f"{label(KALMAN)}: noise from the samples, densities by maximum likelihood: {', '.join(numbers)}"
+
+
+def scenario_file(found: Fitted) -> str:
+    """The scenario with the numbers, or the numbers alone, as TOML."""
+    lines = [f"# for {found.label}: the numbers of the Kalman filter for which what was measured is likeliest"]
+    lines += [f"{path} = {toml_value(value)}" for path, value in {**found.scenario, **found.numbers}.items()]
+    return "\n".join(lines) + "\n"

@@ -1,0 +1,31 @@
+"""What the likelihood of a recording has decided, in words."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+
+def decisions(fit: Mapping[str, Any], settings: Mapping[str, Any]) -> Iterator[str]:
+    """Orders, densities and form of a Kalman filter, and what its estimates know."""
+    inputs = fit["u"]
+    yield f"densities and orders by maximum likelihood: {orders(inputs, 'u')}"
+    if "a" in fit:
+        gain = fit["a"]["log_likelihood"] - inputs["log_likelihood"]
+        taken = "taken" if fit["form"] == "a" else "not taken"
+        yield f"activations as states, {taken}: {orders(fit['a'], 'a')}; log L {gain:+,.0f}"
+    if settings["smooth"]:
+        yield "smoothed: each estimate knows all samples"
+    elif settings["lag"]:
+        yield f"each estimate is {settings['lag'] * 1e3:.4g} ms late, and knows the samples until then"
+
+
+def orders(choice: Mapping[str, Any], second: str) -> str:
+    """The orders of Δ and of the `second` input, and how much less likely others are."""
+    D, other = choice["orders"]
+    others = [
+        f"{tried} {value - choice['log_likelihood']:+,.0f}"
+        for tried, value in choice["tried"].items()
+        if tried != f"{D},{other}"
+    ]
+    return f"Δ {D}, {second} {other}" + (f" (log L of {'; '.join(others)})" if others else "")

@@ -1,0 +1,131 @@
+"""Orders and densities of the Kalman filter for a scenario or a recording, by maximum likelihood."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...model.arrays import Array
+from ...observers import OBSERVERS, estimator
+from ..files.errors import ScenarioError
+from ..files.progress import Progress, shares, unseen
+from ..kalman.orders import chosen_inputs, manifest
+from ..kalman.record import Record, segments, settled
+from ..kalman.run import INPUTS
+from ..laboratory.muscles import MusclePair
+from ..laboratory.recording import Recording
+from ..scenarios.layers import Value, layers, shipped
+from ..scenarios.paths import paths_of
+from ..scenarios.prepare import prepare
+from ..simulate.run import simulate_prepared
+from .first_pass import first_pass
+from .follow import compiled_bank, follower_bank, lengths_block, measured_tendons
+from .run import estimate
+
+KALMAN = "kalman"
+# what is found; what is measured alone, the noise, goes with it
+_FOUND = ("sigma_1", "sigma_F1", "sigma_F2", "s_D", "s_u1", "s_u2", "order_D", "order_u")
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """The numbers found, path → value, how they were chosen, and the number of samples.
+
+    scenario: path → value as written of the scenario, with its `base`; none of a recording.
+    """
+
+    label: str
+    scenario: Mapping[str, object]
+    numbers: Mapping[str, float]
+    choice: Mapping[str, Any]
+    samples: int
+
+
+def fit(
+    source: str | Path | Recording,
+    muscles: str | Path | MusclePair | None = None,
+    mapping: Mapping[str, str] | None = None,
+    changes: Mapping[str, Value] | None = None,
+    progress: Progress | None = None,
+) -> dict[str, float]:
+    """The numbers of the Kalman filter, path → value, for which what was measured is likeliest.
+
+    source: a scenario as `simulate` takes it, or with `muscles` a recording as `estimate` does, with its `mapping`.
+    changes: of the scenario, or gains by hand; numbers of the filter among them stay as they are. The result can be
+    given to `simulate` and `sweep` as changes. ScenarioError, RecordingError for what is wrong with the files.
+    """
+    return dict(fitted(source, muscles, mapping, changes or {}, progress or unseen).numbers)
+
+
+def fitted(
+    source: str | Path | Recording,
+    muscles: str | Path | MusclePair | None,
+    mapping: Mapping[str, str] | None,
+    changes: Mapping[str, Value],
+    progress: Progress,
+) -> Fitted:
+    """The same, and how it was found."""
+    if muscles is not None:
+        return _of_recording(source, muscles, mapping, changes, progress)
+    if isinstance(source, Recording):
+        raise ScenarioError("a recording needs its muscles to be followed")
+    return _of_scenario(source, changes, progress)
+
+
+def _of_recording(
+    source: str | Path | Recording,
+    muscles: str | Path | MusclePair,
+    mapping: Mapping[str, str] | None,
+    changes: Mapping[str, Value],
+    progress: Progress,
+) -> Fitted:
+    estimates = estimate(source, muscles, KALMAN, mapping, changes=changes, progress=progress, form=INPUTS)
+    about = {name: json.loads(estimates.attrs[name]) for name in ("gains", "fits")}
+    return Fitted(
+        estimates.attrs["source"],
+        {},
+        about["gains"][KALMAN],
+        about["fits"][KALMAN][INPUTS],
+        int(estimates.attrs["samples"]),
+    )
+
+
+def _of_scenario(source: str | Path, changes: Mapping[str, Value], progress: Progress) -> Fitted:
+    """Of a run of the scenario, whose samples are those of its noise."""
+    parts = shares(progress, [1, 1])
+    usual = prepare(source, None, changes)
+    if not (T := usual.value("noise.period")):
+        raise ScenarioError("noise.period = 0 takes no samples, and without noise there is nothing to weigh")
+    prepared = prepare(source, None, {**changes, "record": T})
+    y = simulate_prepared(prepared, next(parts)).y.values
+    if not np.isfinite(y).all():
+        raise ScenarioError(f"{prepared.label}: the plant fails; there is nothing to be likely")
+    curves, paths = prepared.scenario.curves, prepared.paths
+    compiled, block = compiled_bank(follower_bank(curves, False, ())), estimator(OBSERVERS[KALMAN].build(), curves)
+    given = prepared.scenario.given
+    tendons = lengths_block(compiled.bank)
+    z, slopes = measured_tendons(compiled, np.array(paths_of([tendons]).values(tendons, given)), y)
+    numbers = dict(zip(block.p, paths.values(block, given), strict=True))
+    sizes = first_pass(y.T, z.T, numbers["m"], T)
+    tau: Array = np.arange(float(len(y))) * T
+    record = Record(tau, y, z, slopes, np.ones(len(y), dtype=bool), numbers, sizes, T, curves)
+    by_hand = {name: given[path] for path in changes for name in [path.removeprefix(f"{KALMAN}.")] if name != path}
+    table = record.table()
+    choice = chosen_inputs(record, [settled(table[part]) for part in segments(len(record))], by_hand)
+    next(parts)(1.0)
+    found = {f"{KALMAN}.{name}": choice.fit.numbers[name] for name in _FOUND}
+    return Fitted(usual.label, _written(source, changes), found, manifest(choice), len(y))
+
+
+def _written(source: str | Path, changes: Mapping[str, Value]) -> dict[str, object]:
+    """What a file of this scenario has to say."""
+    _, stacked = layers(source, changes)
+    written: dict[str, object] = {}
+    for layer in stacked:
+        written |= {"base": layer.origin} if layer.origin in shipped() else layer.leaves
+    return written

@@ -1,0 +1,82 @@
+"""The Kalman filter as it follows a recording: passed as a whole, with densities and form by likelihood."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from ...codegen.failure import Failure
+from ...model.arrays import Array
+from ...model.block import STEP, Block
+from ...observers.kalman.activations import ACTIVATIONS_MODEL
+from ...observers.kalman.inputs import INPUTS_MODEL
+from ..files.progress import Progress
+from ..kalman.orders import Choice, manifest
+from ..kalman.record import Record, refuse_short
+from ..kalman.run import ACTIVATIONS, How, Passed, passed
+from .case import Case, Result
+
+
+def fitted_result(case: Case, block: Block, numbers: Mapping[str, float], progress: Progress) -> Result:
+    """What the filter `block` makes of a recording; numbers: values of its parameters by name."""
+    refuse_short(case.recording.source, len(case.tau))
+    by_hand = {
+        name: value
+        for path, value in case.settings.changes.items()
+        for owner, _, name in [path.partition(".")]
+        if owner == block.name
+    }
+    record = Record(
+        case.tau, case.y, case.z, case.slopes, ~case.gaps, numbers, case.sizes, case.period, case.pair.curves
+    )
+    found = passed(record, _how(case), by_hand, case.settings.keep_every, progress)
+    y = {name: found.outputs[name] for name in block.y}
+    failure = _failure(case, block, numbers, y)
+    guards = {name: found.outputs[name] for name in block.guards if name in found.outputs}
+    if failure:
+        late = case.tau[case.kept] >= failure.time
+        for values in (*y.values(), *guards.values()):
+            values[late] = np.nan
+    gains = {f"{block.name}.{name}": value for name, value in _chosen(found).fit.numbers.items() if name in _SHOWN}
+    return Result(y, guards, gains, 1, [], failure, _told(found))
+
+
+# numbers of the models that are found, or asked for; the others are the muscles', or start the filter
+_SHOWN = {
+    name
+    for name in (*INPUTS_MODEL.parameters, *ACTIVATIONS_MODEL.parameters)
+    if name.startswith(("s_", "sigma", "order"))
+}
+
+
+def _how(case: Case) -> How:
+    settings = case.settings
+    if settings.smooth:
+        return How(settings.form, None)
+    samples = settings.lag * case.scales.rate / case.period
+    # a lag of less than half a sample is none
+    return How(settings.form, round(samples))
+
+
+def _chosen(found: Passed) -> Choice:
+    return found.activations if found.form == ACTIVATIONS and found.activations else found.inputs
+
+
+def _told(found: Passed) -> dict[str, Any]:
+    choices = {"u": found.inputs, **({"a": found.activations} if found.activations else {})}
+    return {"form": found.form, **{form: manifest(choice) for form, choice in choices.items()}}
+
+
+def _failure(case: Case, block: Block, numbers: Mapping[str, float], y: Mapping[str, Array]) -> Failure | None:
+    """The first estimate that is no number within its limit."""
+    limits = ca.Function("limits", [block.p.vector(), STEP], [block.limits.vector()])
+    values = np.array(limits([numbers[name] for name in block.p], case.period), dtype=float)[:, 0]
+    first: tuple[int, str, float] | None = None
+    for name, limit in zip(block.limits, values, strict=True):
+        if name in y and not (within := np.abs(y[name]) <= limit).all():
+            at = int(np.argmin(within))
+            first = min(first or (at, name, limit), (at, name, limit))
+    return first and Failure(float(case.tau[case.kept][first[0]]), "y", first[1], first[2])

@@ -1,0 +1,1 @@
+"""The Kalman filter's passes over a whole recording: likelihood, densities, smoother."""

@@ -1,0 +1,52 @@
+"""What follows from estimates for a pair of muscles: activations, how sure they are, and the law between them."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Mapping
+
+import casadi as ca
+import numpy as np
+
+from ...codegen.library import compile_functions
+from ...codegen.lowering import as_written, lowered
+from ...model.arrays import Array
+from ...model.block import Block
+from ...model.curves import Curves
+from ...observers.activation import activation_estimate
+from ...observers.kalman.activations import linear_law
+from ...observers.spread import spread
+
+ACTIVATION, SPREAD, LAW = "activation", "spread", "linear_law"
+
+
+class CompiledMuscles:
+    """The Blocks behind estimates as functions of many samples."""
+
+    def __init__(self, curves: Curves) -> None:
+        self._blocks = {
+            block.name: block for block in (activation_estimate(curves), spread(curves), linear_law(curves))
+        }
+        self._library = compile_functions([_function(block) for block in self._blocks.values()])
+
+    def outputs(self, name: str, numbers: Mapping[str, float], given: Mapping[str, Array]) -> dict[str, Array]:
+        """Outputs and guards (n) by name, of ACTIVATION, SPREAD or LAW; numbers, given: by the names it knows."""
+        block = self._blocks[name]
+        columns = np.stack([given[port] for port in block.u], axis=-1)
+        (results,) = self._library.call(name, columns, [numbers[number] for number in block.p])
+        return dict(zip([*block.y, *block.guards], results.T, strict=True))
+
+
+@functools.lru_cache(maxsize=8)
+def compiled_muscles(curves: Curves) -> CompiledMuscles:
+    """What follows from estimates with these curves, compiled once."""
+    return CompiledMuscles(curves)
+
+
+def _function(block: Block) -> ca.Function:
+    inputs = [block.u.vector(), block.p.vector()]
+    with as_written():
+        (results,) = lowered(
+            [ca.vertcat(block.y.vector(), block.guards.vector())], ca.vertsplit(ca.vertcat(*inputs)), {}
+        )
+        return ca.Function(block.name, inputs, ca.cse([results]))

@@ -1,0 +1,119 @@
+"""Orders, densities and the form of the Kalman filter for a recording, by the likelihood of what was measured."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from ...model.arrays import Array
+from ...observers.kalman.activations import ACTIVATIONS_MODEL
+from ...observers.kalman.activations import DENSITIES as OF_ACTIVATIONS
+from ...observers.kalman.inputs import DENSITIES as OF_INPUTS
+from ...observers.kalman.inputs import INPUTS_MODEL
+from ...observers.kalman.parameters import densities, least_densities, noise, resolved
+from .fit import Fit, fitted
+from .passes import compiled
+from .record import Record
+
+# another order must be likelier by more than chance makes it; one below the usual by this much of each sample, since
+# the likelihood looks one sample ahead only, where a rougher input is hardly worse
+_GAIN, _ROUGHER = 3.0, 0.05
+_USUAL, _OTHERS = 2, (1, 3)
+# the least of the second pass's densities, in what they are at first: where they mean nothing
+_LEAST = 1e-4
+
+# order of Δ, order of u or a → fit
+Fitting = Callable[[int, int], Fit]
+
+
+@dataclass(frozen=True)
+class Choice:
+    """The likeliest fit, its orders, and log L of all orders that were tried."""
+
+    orders: tuple[int, int]
+    fit: Fit
+    tried: Mapping[tuple[int, int], float] = field(default_factory=dict)
+
+
+def chosen_inputs(record: Record, tables: Sequence[Array], by_hand: Mapping[str, float]) -> Choice:
+    """The model of the first pass for a recording, of which densities are fitted to the `tables`.
+
+    by_hand: name → value of what is to stay as it is.
+    """
+    sizes, T, passes = resolved(record.sizes, record.T), record.T, compiled(INPUTS_MODEL)
+
+    def fitting(order_D: int, order_u: int) -> Fit:
+        least = least_densities(sizes, T, order_D, order_u)
+        start = {name: max(value, least[name]) for name, value in densities(sizes, T, order_D, order_u).items()}
+        orders = {"order_D": float(order_D), "order_u": float(order_u)}
+        numbers = {**record.numbers, **noise(record.sizes, T), **start, **orders, **by_hand}
+        return fitted(passes, tables, numbers, _free(OF_INPUTS, least, by_hand))
+
+    return _likeliest(fitting, _tried(by_hand, "order_D"), _tried(by_hand, "order_u"), _counted(tables))
+
+
+def chosen_activations(record: Record, tables: Sequence[Array], first: Choice, by_hand: Mapping[str, float]) -> Choice:
+    """The model of the second pass; the tables are linear about the first."""
+    passes, parameters = compiled(ACTIVATIONS_MODEL), ACTIVATIONS_MODEL.parameters
+    sizes, T = resolved(record.sizes, record.T), record.T
+    order_D = int(by_hand.get("order_D", _USUAL))
+    s_D = densities(sizes, T, order_D)["s_D"] if first.orders[0] != order_D else first.fit.numbers["s_D"]
+
+    def fitting(order_D: int, order_a: int) -> Fit:
+        defaults = {name: parameter.default for name, parameter in parameters.items()}
+        least = {name: _LEAST * parameters[name].default for name in OF_ACTIVATIONS}
+        least["s_D"] = least_densities(sizes, T, order_D, _USUAL)["s_D"]
+        own = {"s_D": max(s_D, least["s_D"]), "order_D": float(order_D), "order_a": float(order_a)}
+        numbers = {**defaults, **_known(first.fit.numbers, parameters), **own, **_known(by_hand, parameters)}
+        return fitted(passes, tables, numbers, _free(OF_ACTIVATIONS, least, by_hand))
+
+    return _likeliest(fitting, [order_D], [_USUAL, *_OTHERS], _counted(tables))
+
+
+def manifest(choice: Choice) -> dict[str, Any]:
+    """A choice in words of JSON."""
+    return {
+        "orders": list(choice.orders),
+        "log_likelihood": choice.fit.log_likelihood,
+        "passes": choice.fit.passes,
+        "tried": {f"{D},{second}": value for (D, second), value in choice.tried.items()},
+    }
+
+
+def _likeliest(fitting: Fitting, of_D: Sequence[int], of_second: Sequence[int], samples: float) -> Choice:
+    """The usual orders, first in both lists, unless others gain enough."""
+    fits = {(of_D[0], second): fitting(of_D[0], second) for second in of_second}
+    best = _best(fits, samples)
+    fits |= {(order_D, best[1]): fitting(order_D, best[1]) for order_D in of_D[1:]}
+    best = _best({best: fits[best], **fits}, samples)
+    return Choice(best, fits[best], {orders: fit.log_likelihood for orders, fit in fits.items()})
+
+
+def _best(fits: Mapping[tuple[int, int], Fit], samples: float) -> tuple[int, int]:
+    """The likeliest orders of those that gain enough over the first."""
+    first = next(iter(fits))
+
+    def gain(orders: tuple[int, int]) -> float:
+        rougher = any(order < usual for order, usual in zip(orders, first, strict=True))
+        needed = max(_GAIN, _ROUGHER * samples) if rougher else _GAIN
+        return fits[orders].log_likelihood - fits[first].log_likelihood - needed
+
+    best = max(fits, key=gain)
+    return best if gain(best) > 0 else first
+
+
+def _tried(by_hand: Mapping[str, float], name: str) -> list[int]:
+    return [int(by_hand[name])] if name in by_hand else [_USUAL, *_OTHERS]
+
+
+def _free(names: Sequence[str], least: Mapping[str, float], by_hand: Mapping[str, float]) -> dict[str, float]:
+    return {name: least[name] for name in names if name not in by_hand}
+
+
+def _counted(tables: Sequence[Array]) -> float:
+    return float(sum(rows[:, -1].sum() for rows in tables))
+
+
+def _known(numbers: Mapping[str, float], names: Mapping[str, object]) -> dict[str, float]:
+    return {name: value for name, value in numbers.items() if name in names}

@@ -1,0 +1,175 @@
+"""The Kalman filter over a whole recording: orders and densities, the form, and the estimates, causal or smoothed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...model.arrays import Array
+from ...model.curves import Curves
+from ...observers.kalman.activations import ACTIVATIONS_MODEL
+from ...observers.kalman.inputs import INPUTS_MODEL
+from ...observers.kalman.parameters import resolved, slowest
+from ...observers.ports import ESTIMATES
+from ..files.progress import Progress, shares
+from .muscles import ACTIVATION, LAW, SPREAD, CompiledMuscles, compiled_muscles
+from .orders import Choice, chosen_activations, chosen_inputs
+from .passes import CompiledPasses, compiled, row_names, table
+from .record import Record, segments, settled
+
+INPUTS, ACTIVATIONS, AUTO = "u", "a", "auto"
+FORMS = (AUTO, INPUTS, ACTIVATIONS)
+# samples that are passed at once: 2 kB each
+_PIECE = 50_000
+# a smoother looks ahead for so many of its slowest time constants: what is later changes nothing
+_AHEAD = 30.0
+# shares of the time: densities of each form, passes
+_FIT, _PASS = 3.0, 1.0
+
+
+@dataclass(frozen=True)
+class How:
+    """What is asked for. lag: samples that a smoother looks ahead, None: all; 0: none, the filter."""
+
+    form: str = AUTO
+    lag: int | None = 0
+
+    @property
+    def causal(self) -> bool:
+        """Whether an estimate knows no later sample."""
+        return self.lag == 0
+
+
+@dataclass(frozen=True, eq=False)
+class Passed:
+    """The choices made, and each estimate, standard deviation and guard (kept samples) by name."""
+
+    form: str
+    inputs: Choice
+    activations: Choice | None
+    outputs: Mapping[str, Array]
+
+
+# what is told of some samples (n × names) → outputs by name
+Outputs = Callable[[Array], dict[str, Array]]
+
+
+def passed(record: Record, how: How, by_hand: Mapping[str, float], keep_every: int, progress: Progress) -> Passed:
+    """The estimates of a recording, of every n-th sample.
+
+    by_hand: numbers of the filter that are to stay as they are.
+    """
+    muscles, parts = compiled_muscles(record.curves), shares(progress, [_FIT, _FIT, _PASS, _PASS])
+    whole = record.table()
+    fitted_to = [settled(whole[part]) for part in segments(len(record))]
+    inputs = chosen_inputs(record, fitted_to, by_hand)
+    next(parts)(1.0)
+    activations = None
+    if how.form != INPUTS:
+        about = how if how.lag is None else How(lag=0)
+        tables = [_linear(record, muscles, rows, _whole(record, inputs, rows, about)) for rows in fitted_to]
+        activations = chosen_activations(record, tables, inputs, by_hand)
+    next(parts)(1.0)
+    if activations is None or _form(how, inputs, activations) == INPUTS:
+        next(parts)(1.0)
+        told = over(compiled(INPUTS_MODEL), inputs.fit.numbers, whole, how, _ahead(record, inputs))
+        outputs = _collected(told, _of_inputs(record, muscles), keep_every, len(record), next(parts))
+        return Passed(INPUTS, inputs, activations, outputs)
+    rows = _linear(record, muscles, whole, _whole(record, inputs, whole, about))
+    next(parts)(1.0)
+    told = over(compiled(ACTIVATIONS_MODEL), activations.fit.numbers, rows, how, _ahead(record, inputs))
+    return Passed(
+        ACTIVATIONS, inputs, activations, _collected(told, _of_activations, keep_every, len(record), next(parts))
+    )
+
+
+def compile_passes(curves: Curves) -> None:
+    """Compile what `passed` needs, or load it from the cache."""
+    compiled_muscles(curves)
+    for model in (INPUTS_MODEL, ACTIVATIONS_MODEL):
+        compiled(model)
+
+
+def over(passes: CompiledPasses, numbers: Mapping[str, float], rows: Array, how: How, ahead: int) -> Iterator[Array]:
+    """What is told of the samples, piece by piece; a smoother looks `ahead` so many samples beyond a piece."""
+    carry = passes.start(numbers, rows[0])
+    beyond = ahead if how.lag is None else how.lag
+    for start in range(0, len(rows), _PIECE):
+        piece, after = rows[start : start + _PIECE], rows[start + _PIECE : start + _PIECE + beyond]
+        motions = passes.motions(numbers, piece, rows[max(start - 1, 0)])
+        filtered = passes.filtered(numbers, carry, piece, motions)
+        carry = filtered.carry
+        if how.causal:
+            yield filtered.told
+            continue
+        if len(after):
+            moved = passes.motions(numbers, after, piece[-1])
+            filtered = filtered.followed_by(passes.filtered(numbers, carry, after, moved))
+            motions = np.concatenate([motions, moved])
+        seen = rows[start : start + len(motions)]
+        yield passes.smoothed(numbers, seen, motions, filtered, how.lag or 0).told[: len(piece)]
+
+
+def _form(how: How, inputs: Choice, activations: Choice) -> str:
+    """The likelier form, unless one is asked for."""
+    if how.form != AUTO:
+        return how.form
+    # a smoother does without the second pass where the inputs are abrupt: the likelihood looks one sample ahead only
+    abrupt = inputs.orders[1] == 1 and not how.causal
+    return ACTIVATIONS if activations.fit.log_likelihood > inputs.fit.log_likelihood and not abrupt else INPUTS
+
+
+def _ahead(record: Record, inputs: Choice) -> int:
+    """Samples after which a smoother has nothing more to learn."""
+    w = slowest(inputs.fit.numbers, resolved(record.sizes, record.T).sigma_L, record.T)
+    return min(math.ceil(_AHEAD / (w * record.T)), _PIECE)
+
+
+def _whole(record: Record, inputs: Choice, rows: Array, how: How) -> Array:
+    """The estimates (n × ESTIMATES) of the first pass."""
+    pieces = over(compiled(INPUTS_MODEL), inputs.fit.numbers, rows, how, _ahead(record, inputs))
+    return np.concatenate([told[:, : len(ESTIMATES)] for told in pieces])
+
+
+def _linear(record: Record, muscles: CompiledMuscles, rows: Array, about: Array) -> Array:
+    """The rows of the second pass: linear about estimates (n × ESTIMATES) of the first."""
+    estimates = dict(zip(ESTIMATES, about.T, strict=True))
+    law = muscles.outputs(LAW, record.numbers, estimates)
+    known = dict(zip(row_names(INPUTS_MODEL), rows.T, strict=True))
+    return table(ACTIVATIONS_MODEL, {**known, **estimates, **law})
+
+
+def _collected(
+    pieces: Iterator[Array], outputs: Outputs, keep_every: int, length: int, progress: Progress
+) -> dict[str, Array]:
+    parts: list[dict[str, Array]] = []
+    done = 0
+    for told in pieces:
+        parts.append({name: values[-done % keep_every :: keep_every] for name, values in outputs(told).items()})
+        done += len(told)
+        progress(done / length)
+    return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+
+
+def _of_inputs(record: Record, muscles: CompiledMuscles) -> Outputs:
+    def outputs(told: Array) -> dict[str, Array]:
+        named = dict(zip(compiled(INPUTS_MODEL).told, told.T, strict=True))
+        estimates = {name: named[name] for name in ESTIMATES}
+        behind = {
+            **muscles.outputs(ACTIVATION, record.numbers, named),
+            **muscles.outputs(SPREAD, record.numbers, named),
+        }
+        return {**estimates, **behind}
+
+    return outputs
+
+
+def _of_activations(told: Array) -> dict[str, Array]:
+    named = dict(zip(compiled(ACTIVATIONS_MODEL).told, told.T, strict=True))
+    for name in ("a1_hat", "a2_hat"):
+        named[f"{name}_limit"] = ((named[name] < 0) | (named[name] > 1)).astype(float)
+        named[name] = np.clip(named[name], 0, 1)
+    return named
