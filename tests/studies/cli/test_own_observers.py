@@ -13,7 +13,7 @@ from command_line import CHANGED, SHORT
 from hillobs.model.curves import DEGROOTE_FREGLY2016
 from hillobs.observers import OBSERVERS
 from hillobs.studies.cli.own_observers import loaded
-from hillobs.studies.estimate.follow import follower_bank
+from hillobs.studies.estimate.follow import fitted_blocks, follower_bank
 from hillobs.studies.scenarios.prepare import prepare
 from hillobs.studies.sweep.cluster.plan_text import plan_of, text_of
 from hillobs.studies.sweep.plan import plan
@@ -190,8 +190,9 @@ def test_what_only_some_studies_can_do_is_a_sentence(own: Command) -> None:
 @pytest.mark.parametrize("corrected", [False, True])
 def test_scenarios_and_recordings_have_the_same_observers_with_the_same_option(corrected: bool) -> None:
     prepared = prepare("paper-noisy", list(OBSERVERS), {}, corrected=corrected)
-    bank = follower_bank(DEGROOTE_FREGLY2016, corrected, tuple(OBSERVERS.values()))
-    simulated, followed = ({b.name: list(b.x) for b in bank.observers} for bank in (prepared.loop, bank))
+    of_recordings = (DEGROOTE_FREGLY2016, corrected, tuple(OBSERVERS.values()))
+    blocks = prepared.loop.observers, [*follower_bank(*of_recordings).observers, *fitted_blocks(*of_recordings)]
+    simulated, followed = ({b.name: list(b.x) for b in observers} for observers in blocks)
     assert {name: simulated[name] for name in OBSERVERS} == {name: followed[name] for name in OBSERVERS}
     assert ("sliding_mode.tau_c" in prepared.paths.parameters) == corrected
     assert prepared.label.endswith(",corrected") == corrected
