@@ -24,6 +24,7 @@ from ..scenarios.layers import Value
 from ..scenarios.observers import observers_named
 from .options import (
     corrected_option,
+    doubt_option,
     mapping_option,
     observer_option,
     seconds_option,
@@ -47,6 +48,8 @@ _STEM = "estimates"
 @corrected_option(default=True)
 @mapping_option()
 @set_option("A gain by hand: high_gain.eps_h=0.05.")
+@doubt_option()
+@click.option("--no-doubt", is_flag=True, help="Numbers are right, but for those of --doubt.")
 @click.option("--smooth", is_flag=True, help="Estimates know all samples, later ones too: the Kalman filter alone can.")
 @seconds_option("--lag", "Its estimates may be so late, to know the samples until then: 20ms.")
 @click.option(
@@ -67,6 +70,8 @@ def estimate(
     corrected: bool,
     maps: tuple[str, ...],
     changes: dict[str, Value],
+    doubt: dict[str, float | str],
+    no_doubt: bool,
     smooth: bool,
     lag: float,
     form: str,
@@ -97,7 +102,21 @@ def estimate(
             times[-1] = time.monotonic()
             progress(done)
 
-        dataset = estimated(read, pair, chosen, None, corrected, changes, every, advance, form, smooth, lag)
+        dataset = estimated(
+            read,
+            pair,
+            chosen,
+            None,
+            corrected,
+            changes,
+            every,
+            advance,
+            form,
+            smooth,
+            lag,
+            doubt,
+            not no_doubt,
+        )
     reading, building, following = (after - before for before, after in itertools.pairwise(times))
     known = scores(dataset)
     with bar("writing"):

@@ -9,6 +9,7 @@ import click
 from click.shell_completion import CompletionItem
 
 from ...observers import OBSERVERS
+from ..estimate.bands.doubt import parse_doubt
 from ..files.errors import ScenarioError
 from ..files.numbers import parse_number, typed_whole
 from ..files.quote import shown
@@ -92,6 +93,17 @@ def over_option() -> Decorator:
     )
 
 
+def doubt_option() -> Decorator:
+    """`--doubt NAME=SD`, which may be repeated: a dict; of a name given twice the last counts."""
+    return click.option(
+        "--doubt",
+        multiple=True,
+        metavar="NAME=SD",
+        callback=_doubts,
+        help="How far a number may be off: optimal_fibre_length=3%, muscle1.F_max=50, force_bias=5N.",
+    )
+
+
 def whole_option(name: str, least: int, sentence: str, default: int | None = None, metavar: str = "N") -> Decorator:
     """A whole number of at least `least`, strictly: no underscores, no digits of other scripts."""
 
@@ -121,6 +133,10 @@ def seconds_option(name: str, sentence: str) -> Decorator:
 
 def _changes(ctx: click.Context, param: click.Parameter, typed: tuple[str, ...]) -> dict[str, Value]:
     return dict(parse_change(text) for text in typed)
+
+
+def _doubts(ctx: click.Context, param: click.Parameter, typed: tuple[str, ...]) -> dict[str, float | str]:
+    return dict(parse_doubt(text) for text in typed)
 
 
 def _axes(ctx: click.Context, param: click.Parameter, typed: tuple[str, ...]) -> dict[str, Values]:

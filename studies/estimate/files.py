@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -15,6 +16,8 @@ from .scores import ESTIMATED, Score, scores_csv
 
 _TITLE = "estimates of {observer} from {source}"
 _SCORES, _REPORT = "scores.csv", "estimates.html"
+# what follows the name of an estimate; the part from noise follows from the other two
+_HAT, _DEVIATIONS = "_hat", ("_sd", "_sd_muscle")
 
 
 def estimate_paths(folder: Path, observers: Sequence[str], scored: bool) -> list[Path]:
@@ -44,10 +47,18 @@ def save_estimates(dataset: xr.Dataset, scores: list[Score], folder: Path) -> li
     position = Series("position", "m", dataset.position.values)
     forces = [Series(f"force_{j}", "N", dataset.force.sel(muscle=j).values) for j in (1, 2)]
     prefixes = {name: f"{name}." if len(observers) > 1 else "" for name in observers}
-    estimates = [series for name, prefix in prefixes.items() for series in _series(dataset, name, prefix)]
+    estimates = [
+        Series(f"{prefix}{column}{suffix}", values.attrs["units"], values.values)
+        for name, prefix in prefixes.items()
+        for column, suffix, values in _columns(dataset, name)
+    ]
     write_csv(table, [time, position, *forces, *estimates])
     for name, path in zip(observers, of_observers, strict=False):
-        columns = [Series(OPENSIM[s.name], s.unit, s.values) for s in (*forces, *_plain(dataset, name))]
+        columns = [Series(OPENSIM[force.name], force.unit, force.values) for force in forces]
+        columns += [
+            Series(OPENSIM[column] + suffix.removeprefix(_HAT), values.attrs["units"], values.values)
+            for column, suffix, values in _columns(dataset, name)
+        ]
         write_sto(path, _TITLE.format(observer=name, source=dataset.attrs["source"]), [time, *columns])
     if scores:
         write_whole(of_observers[-1], scores_csv(scores).encode())
@@ -68,18 +79,12 @@ def _leftovers(folder: Path, written: Sequence[Path]) -> list[Path]:
     return [path for path in candidates if path not in written]
 
 
-def _series(dataset: xr.Dataset, observer: str, prefix: str) -> Iterator[Series]:
-    for series in _plain(dataset, observer):
-        yield Series(f"{prefix}{series.name}_hat", series.unit, series.values)
-
-
-def _plain(dataset: xr.Dataset, observer: str) -> Iterator[Series]:
-    """The estimates by the names that columns of a recording have."""
+def _columns(dataset: xr.Dataset, observer: str) -> Iterator[tuple[str, str, xr.DataArray]]:
+    """The estimates by the names that columns of a recording have, then their standard deviations, if known."""
     of = dataset.sel(observer=observer)
-    for name in ESTIMATED:
-        estimate = of[f"{name}_hat"]
-        parts = {name: estimate}
-        if "muscle" in estimate.dims:
-            parts = {f"{name}_{j}": estimate.sel(muscle=j) for j in (1, 2)}
-        for column, values in parts.items():
-            yield Series(column, values.attrs["units"], values.values)
+    for suffix, name in itertools.product((_HAT, *_DEVIATIONS), ESTIMATED):
+        if suffix in _DEVIATIONS and (name + suffix not in of or of[name + suffix].isnull().all()):
+            continue
+        values = of[name + suffix]
+        parts = {f"{name}_{j}": values.sel(muscle=j) for j in (1, 2)} if "muscle" in values.dims else {name: values}
+        yield from ((column, suffix, part) for column, part in parts.items())

@@ -32,6 +32,8 @@ from ..scenarios.layers import Value
 from ..scenarios.observers import Observers, compiled_with, observers_named, own_among, refuse_taken
 from ..scenarios.paths import Paths, paths_of
 from ..scenarios.scenario import checked_number
+from .bands.doubt import doubts
+from .bands.muscle import compile_sensitivities
 from .case import Case, Result, Settings
 from .conditions import gain_conditions
 from .dataset import estimate_dataset
@@ -49,8 +51,8 @@ from .substeps import substeps
 
 # periods of the muscles' own time 1/v_max between samples beyond which nothing can be followed
 _LONGEST_PERIOD = 0.7
-# estimates of a sample; 100 million numbers are 1 GB
-_NUMBERS, _MOST_NUMBERS = 20, 100_000_000
+# estimates of a sample with their standard deviations; 250 million numbers are 2 GB
+_NUMBERS, _MOST_NUMBERS = 50, 250_000_000
 
 
 def estimate(
@@ -65,6 +67,8 @@ def estimate(
     form: str = AUTO,
     smooth: bool = False,
     lag: float = 0.0,
+    doubt: Mapping[str, float | str] | None = None,
+    usual_doubt: bool = True,
 ) -> xr.Dataset:
     """Follow a recording with observers and return velocities, lengths, activations and disturbance in SI.
 
@@ -77,6 +81,8 @@ def estimate(
     The rest concerns the Kalman filter. form: what its chains of integrators are, inputs "u" or activations "a", or
     "auto": what the recording is likelier for. smooth: estimates know all samples. lag: s that they may be late, to
     know the samples until then; by default they know no later sample.
+    doubt: how far numbers may be off, such as {"optimal_fibre_length": "3%", "muscle1.F_max": 50, "force_bias": "5N"};
+    beside these count those of the muscle file and the usual ones, docs/observers.md#bands, unless not usual_doubt.
     The Dataset has the dimensions time, observer, muscle. RecordingError, ScenarioError for what is wrong with the
     files, BuildError if nothing can be compiled.
     """
@@ -86,6 +92,7 @@ def estimate(
     paths = paths_of([*bank.observers, *whole])
     settings = _settings(corrected, changes or {}, keep_every, paths, chosen)
     settings = replace(settings, **_smoothing(chosen, form, smooth, lag))
+    known = doubts(pair, {} if doubt is None else doubt, switch("usual_doubt", usual_doubt))
     if isinstance(recording, Recording):
         parts, read = shares(progress or unseen, [1] * len(chosen)), recording
     else:
@@ -93,7 +100,7 @@ def estimate(
         read = read_recording(recording, mapping, next(parts))
     _check_size(len(read), settings.keep_every, len(chosen))
     compiled = compiled_bank(bank)
-    case = _case(read, pair, compiled, paths, settings)
+    case = _case(read, pair, compiled, paths, settings, known)
     blocks = {block.name: block for block in (*bank.observers, *whole)}
     results = {
         name: (_pass if observer.fitted else _follow)(case, compiled, paths, blocks[name], observer, next(parts))
@@ -105,6 +112,7 @@ def estimate(
 def compile_observers(muscles: MusclePair, observers: Observers = None, corrected: bool = True) -> None:
     """Compile what `estimate` needs for these, or load it from the cache: once, and then estimates begin at once."""
     compile_first_pass()
+    compile_sensitivities(muscles.curves)
     chosen = observers_named(observers)
     compiled_bank(_bank(muscles, corrected, chosen))
     if any(observer.fitted for observer in chosen.values()):
@@ -165,7 +173,14 @@ def _check_size(samples: int, keep_every: int, observers: int) -> None:
         )
 
 
-def _case(read: Recording, pair: MusclePair, compiled: CompiledBank, paths: Paths, settings: Settings) -> Case:
+def _case(
+    read: Recording,
+    pair: MusclePair,
+    compiled: CompiledBank,
+    paths: Paths,
+    settings: Settings,
+    doubt: Mapping[str, float],
+) -> Case:
     if len(read) < 2:
         raise RecordingError(f"{read.source}: has one row of numbers; observers need two or more")
     refuse_impossible(read, pair)
@@ -182,7 +197,7 @@ def _case(read: Recording, pair: MusclePair, compiled: CompiledBank, paths: Path
     refuse_long_steps(read)
     z, slopes = measured_tendons(compiled, np.array(paths.values(lengths_block(compiled.bank), s.numbers)), y)
     sizes = first_pass(y.T, z.T, s.numbers["plant.m"], period)
-    return Case(read, pair, s, tau, y, z, slopes, gaps, sizes, settings)
+    return Case(read, pair, s, tau, y, z, slopes, gaps, sizes, settings, doubt)
 
 
 def _pass(

@@ -7,14 +7,16 @@ from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
 from ...model.arrays import Array
 from ...observers import label
-from ..estimate.scores import SETTLED
+from ..estimate.scores import SETTLED, WITHIN_95
 from ..files.quote import drawn
 from . import style
 from .page import above, settings
@@ -42,6 +44,8 @@ _FORCES: Mapping[int, style.Style] = {
 _HIDES = 8.0
 # along a panel
 _NUMBERS = 5
+# deviations that are drawn: the first that an observer tells, with noise or without
+_DEVIATIONS = ("_sd", "_sd_muscle")
 
 
 @dataclass(frozen=True)
@@ -101,6 +105,7 @@ def estimate_sheet(dataset: xr.Dataset) -> Figure:
             for row, (panel, scale) in enumerate(zip(shown, limits, strict=True)):
                 axes = figure.add_subplot(grid[len(_HEIGHTS) + tier * len(shown) + row, column])
                 axes.set_ylim(scale[name])
+                _shade(axes, thin, panel, name, look)
                 _draw(axes, thin, panel, name, look)
                 if row == 0:
                     axes.set_title(drawn(label(name)), color=look["color"])
@@ -112,8 +117,15 @@ def estimate_sheet(dataset: xr.Dataset) -> Figure:
         for axes in figure.axes:
             _set_time(axes, thin)
         figure.align_ylabels([axes for axes in figure.axes if axes.get_ylabel()])
+        handles: list[Artist] = []
         if any(panel.true in thin for panel in shown):
-            above(figure, [Line2D([], [], label="true", **style.TRUE)])
+            handles.append(Line2D([], [], label="true", **style.TRUE))
+        if parts := {name: part for panel in shown for name in observers if (part := _told(thin, panel, name))}:
+            noiseless = ", ".join(label(name) for name, part in parts.items() if part != _DEVIATIONS[0])
+            words = "95 %" + (f", without noise for {drawn(noiseless)}" if noiseless else "")
+            handles.append(Patch(label=words, **style.sure({"color": "0.3"})))
+        if handles:
+            above(figure, handles)
     return figure
 
 
@@ -158,6 +170,22 @@ def _limits(thin: xr.Dataset, panel: Panel) -> dict[str, tuple[float, float]]:
     common = with_margin(np.concatenate([values[name] for name in together]), _MARGIN)
     apart = {name: with_margin(values[name], _MARGIN) for name in whole if name not in together}
     return {**dict.fromkeys(names, common), **apart}
+
+
+def _told(thin: xr.Dataset, panel: Panel, observer: str) -> str:
+    """Which of the deviations an observer tells of what a panel shows, or an empty text."""
+    names = {part: panel.variable.removesuffix("_hat") + part for part in _DEVIATIONS}
+    known = (p for p, name in names.items() if name in thin and thin[name].sel(observer=observer).notnull().any())
+    return next(known, "")
+
+
+def _shade(axes: Axes, thin: xr.Dataset, panel: Panel, observer: str, look: style.Style) -> None:
+    """Where, with 95 %, what an observer estimates is, if it tells that."""
+    if part := _told(thin, panel, observer):
+        name = panel.variable.removesuffix("_hat") + part
+        middle, deviation = (_of(thin, panel, of).sel(observer=observer).values for of in (panel.variable, name))
+        width = WITHIN_95 * deviation
+        axes.fill_between(thin.time.values, middle - width, middle + width, label="95 %", **style.sure(look))
 
 
 def _settled(array: xr.DataArray) -> Array:

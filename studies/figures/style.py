@@ -96,3 +96,8 @@ def band(style: Style) -> Style:
     """The line as the outline of a band, translucent inside."""
     about = {key: style[key] for key in ("linestyle", "linewidth", "zorder")}
     return {**about, "facecolor": (style["color"], _TINT), "edgecolor": style["color"]}
+
+
+def sure(style: Style) -> Style:
+    """Where an estimate may be, below all lines; without an outline, unlike noise."""
+    return {"facecolor": (style["color"], _TINT), "edgecolor": "none", "linewidth": 0, "zorder": 1}

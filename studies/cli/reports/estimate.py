@@ -14,7 +14,7 @@ from rich.text import Text
 from ....model.arrays import Array
 from ....model.skeleton import pull
 from ....observers import label
-from ...estimate.scores import BOTH, SETTLED, Score
+from ...estimate.scores import BOTH, SETTLED, WITHIN_95, Score
 from .conditions import violated_conditions
 from .likelihood import decisions
 from .number import counted, number
@@ -75,7 +75,19 @@ def notes(dataset: xr.Dataset) -> Iterator[str]:
             ):
                 if (active := of[what].sel(muscle=j).values > 0).any():
                     yield f"  {sentence} {_episodes(time, active)}"
+    if "activation_sd_muscle" in dataset:
+        yield from _in_doubt(dataset.activation_sd_muscle.isel(observer=0))
     yield from violated_conditions(dataset)
+
+
+def _in_doubt(deviations: xr.DataArray) -> Iterator[str]:
+    """What the numbers in doubt do to the activations in the mean over time, if their deviations are known at any."""
+    mean = float(np.sqrt((deviations**2).mean()))
+    if np.isfinite(mean):
+        yield (
+            f"activations may be off by {number(WITHIN_95 * mean)} (95 %) since the muscles' numbers are known only so "
+            "well, see --doubt"
+        )
 
 
 def failures(dataset: xr.Dataset) -> Iterator[str]:

@@ -83,3 +83,19 @@ def test_a_row_has_one_scale_unless_an_observer_would_hide_the_others(noisy: xr.
     failed = three.tendon_innovation.where(~late | (factor == 1), np.nan) * xr.where(three.time > 1.9, factor, 1.0)
     for axes in (column[-1] for column in panels(three.assign(tendon_innovation=failed)).values()):
         assert axes.get_ylim() == first.get_ylim()
+
+
+@pytest.mark.parametrize(("observer", "suffix"), [("kalman", "_sd"), ("high_gain", "_sd_muscle")])
+def test_95_percent_of_each_observer_are_shaded(noisy: xr.Dataset, observer: str, suffix: str) -> None:
+    shown = noisy.sel(observer=["high_gain", "kalman"])
+    figure = estimate_sheet(shown)
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["true", "95 %, without noise for HGO"]
+    column = panels(shown)[observer]
+    (shade,) = (one for one in column[1].collections if one.get_label() == "95 %")
+    of = shown.sel(observer=observer, muscle=2)
+    width = 1.96 * of[f"activation{suffix}"]
+    corners = {tuple(corner) for path in shade.get_paths() for corner in path.vertices}
+    for side in (of.activation_hat - width, of.activation_hat + width):
+        assert set(zip(of.time.values, side.values, strict=True)) <= corners
+    # nothing is known of what is shown there
+    assert "95 %" not in [one.get_label() for one in column[-1].collections]
