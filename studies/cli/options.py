@@ -40,14 +40,24 @@ def scenarios_argument() -> Decorator:
 
 
 def observer_option() -> Decorator:
-    """`--observer`, which may be repeated: a tuple of names."""
+    """`--observer`, which may be repeated: a tuple of what is typed, for `own_observers.loaded`."""
     return click.option(
         "--observer",
         "observers",
         multiple=True,
-        metavar="NAME",
+        metavar="NAME|FILE.py:NAME",
         shell_complete=_complete_observers,
-        help="Only this observer; may be repeated.",
+        help="Only this observer, or a Block of your own in a file, which is run; may be repeated.",
+    )
+
+
+def corrected_option(default: bool) -> Decorator:
+    """`--corrected` and `--uncorrected`."""
+    return click.option(
+        "--corrected/--uncorrected",
+        default=default,
+        show_default=True,
+        help="Correct the layers of the sliding mode observers, or not.",
     )
 
 
@@ -141,7 +151,7 @@ def _complete_scenarios(ctx: click.Context, param: click.Parameter, incomplete: 
 
 
 def _complete_observers(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
-    return _beginning(OBSERVERS, incomplete)
+    return [*_beginning(OBSERVERS, incomplete), CompletionItem(incomplete, type="file")]
 
 
 def _complete_paths(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:

@@ -15,7 +15,7 @@ from ..laboratory.columns import OPENSIM
 from .scores import ESTIMATED, Score, scores_csv
 
 _TITLE = "estimates of {observer} from {source}"
-_SCORES = "scores.csv"
+_SCORES, _REPORT = "scores.csv", "estimates.html"
 # what follows the name of an estimate; the part from noise follows from the other two
 _HAT, _DEVIATIONS = "_hat", ("_sd", "_sd_muscle")
 
@@ -27,11 +27,17 @@ def estimate_paths(folder: Path, observers: Sequence[str], scored: bool) -> list
     return [folder / name for name in ("estimates.nc", "estimates.csv", *names, *[_SCORES] * scored)]
 
 
+def report_path(folder: Path) -> Path:
+    """The file of the report."""
+    return folder / _REPORT
+
+
 def save_estimates(dataset: xr.Dataset, scores: list[Score], folder: Path) -> list[Path]:
     """Write `estimates.nc`, `.csv`, an `.sto` per observer, and `scores.csv` if there are any; the paths written.
 
     The .sto files have the measured forces too, so each is a recording that can be read. What an earlier run has left
-    there of other observers, or scores where there are none now, is removed; nothing that we have not written is.
+    there of other observers, its report, and scores where there are none now, are removed; nothing that we have not
+    written is.
     """
     observers = dataset.observer.values.tolist()
     paths = estimate_paths(folder, observers, bool(scores))
@@ -69,7 +75,8 @@ def refuse_replacing(folder: Path, paths: Sequence[Path]) -> None:
 
 def _leftovers(folder: Path, written: Sequence[Path]) -> list[Path]:
     """What would pass for a part of the new result if an earlier run has written it."""
-    return [path for path in (*sorted(folder.glob("estimates*.sto")), folder / _SCORES) if path not in written]
+    candidates = [*sorted(folder.glob("estimates*.sto")), folder / _SCORES, report_path(folder)]
+    return [path for path in candidates if path not in written]
 
 
 def _columns(dataset: xr.Dataset, observer: str) -> Iterator[tuple[str, str, xr.DataArray]]:

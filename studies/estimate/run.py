@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -16,7 +16,7 @@ from ...codegen.filters import CompiledBank
 from ...model.arrays import Array
 from ...model.block import Block
 from ...model.symbols import MEASURED, hat
-from ...observers import OBSERVERS, PAPER, Observer
+from ...observers import OBSERVERS, Observer
 from ...observers.tendons import LENGTHS
 from ..files.errors import RecordingError, ScenarioError
 from ..files.numbers import number, switch, whole
@@ -30,6 +30,7 @@ from ..laboratory.recording import Recording, read_recording
 from ..laboratory.samples import MOST_NUMBERS
 from ..laboratory.scales import scales
 from ..scenarios.layers import Value
+from ..scenarios.observers import Observers, compiled_with, observers_named, own_among, refuse_taken
 from ..scenarios.paths import Paths, paths_of
 from ..scenarios.scenario import checked_number
 from .bands.doubt import doubts
@@ -46,7 +47,6 @@ from .follow import (
     follower_bank,
     lengths_block,
     measured_tendons,
-    observers_named,
 )
 from .substeps import substeps
 
@@ -56,8 +56,6 @@ _LONGEST_PERIOD = 0.7
 _NUMBERS, _MOST_NUMBERS = 50, 250_000_000
 
 KALMAN = "kalman"
-
-Observers = Sequence[str | Block] | str | Block | None
 
 
 def estimate(
@@ -91,10 +89,9 @@ def estimate(
     The Dataset has the dimensions time, observer, muscle. RecordingError, ScenarioError for what is wrong with the
     files, BuildError if nothing can be compiled.
     """
-    chosen = _chosen(observers)
+    chosen = observers_named(observers)
     pair = muscles if isinstance(muscles, MusclePair) else read_muscles(muscles)
     bank, whole = _bank(pair, switch("corrected", corrected), chosen), _whole(pair, corrected, chosen)
-    _refuse_taken(chosen, bank)
     paths = paths_of([*bank.observers, *whole])
     settings = _settings(corrected, changes or {}, keep_every, paths, chosen)
     settings = replace(settings, **_smoothing(chosen, form, smooth, lag))
@@ -119,7 +116,7 @@ def compile_observers(muscles: MusclePair, observers: Observers = None, correcte
     """Compile what `estimate` needs for these, or load it from the cache: once, and then estimates begin at once."""
     compile_first_pass()
     compile_sensitivities(muscles.curves)
-    chosen = _chosen(observers)
+    chosen = observers_named(observers)
     compiled_bank(_bank(muscles, corrected, chosen))
     if any(observer.fitted for observer in chosen.values()):
         compile_passes(muscles.curves)
@@ -127,25 +124,26 @@ def compile_observers(muscles: MusclePair, observers: Observers = None, correcte
 
 def recorded(read: Recording, pair: MusclePair) -> tuple[Case, Record]:
     """A recording with its muscles, and as the Kalman filter takes it. RecordingError for what no muscle can do."""
-    chosen = _chosen(KALMAN)
+    chosen = observers_named(KALMAN)
     bank, (block,) = _bank(pair, True, chosen), _whole(pair, True, chosen)
     paths = paths_of([*bank.observers, block])
     case = _case(read, pair, compiled_bank(bank), paths, Settings(True, {}, 1), {})
     return case, record_of(case, _numbers(case, paths, block))
 
 
-def _chosen(observers: Observers) -> dict[str, Observer]:
-    return observers_named([observers] if isinstance(observers, str | Block) else observers or PAPER)
-
-
 def _bank(pair: MusclePair, corrected: bool, chosen: Mapping[str, Observer]) -> Bank:
-    """All registered observers, so that one library has any choice of them, and a user's own."""
-    return follower_bank(pair.curves, corrected, tuple({**OBSERVERS, **chosen}.values()))
+    bank = follower_bank(pair.curves, corrected, compiled_with(chosen))
+    own = own_among(chosen)
+    refuse_taken(own, {lengths_block(bank).name})
+    for name, observer in own.items():
+        if observer.build().per_step:
+            raise ScenarioError(f"{name} moves at the points of a time grid, and a recording has none")
+    return bank
 
 
 def _whole(pair: MusclePair, corrected: bool, chosen: Mapping[str, Observer]) -> tuple[Block, ...]:
     """Those that a recording is given to as a whole."""
-    return fitted_blocks(pair.curves, corrected, tuple({**OBSERVERS, **chosen}.values()))
+    return fitted_blocks(pair.curves, corrected, compiled_with(chosen))
 
 
 def _smoothing(chosen: Mapping[str, Observer], form: str, smooth: bool, lag: float) -> dict[str, Any]:
@@ -161,16 +159,6 @@ def _smoothing(chosen: Mapping[str, Observer], form: str, smooth: bool, lag: flo
         able = ", ".join(name for name, observer in OBSERVERS.items() if observer.fitted)
         raise ScenarioError(f"form, smooth and lag are for {able}, which is not among the observers asked for")
     return {"form": form, "smooth": smooth, "lag": lag}
-
-
-def _refuse_taken(chosen: Mapping[str, Observer], bank: Bank) -> None:
-    """ScenarioError if a user's own observer has a name that paths or other Blocks have."""
-    names = [block.name for block in bank.exported]
-    others = [block for block in bank.observers if block.name in OBSERVERS]
-    shared = {parameter.shared.partition(".")[0] for block in others for parameter in block.parameters.values()}
-    for name in chosen:
-        if name not in OBSERVERS and (name in shared or names.count(name) > 1):
-            raise ScenarioError(f"the name {name!r} is taken; give your observer another one")
 
 
 def _settings(

@@ -23,6 +23,8 @@ _LIMITED = 0.1
 _UNEXPLAINED = 3.0
 # innovations over their standard deviations: mean square, and correlation from sample to sample
 _SIZE, _COLOUR = (0.7, 1.4), 0.25
+# noise below this, in F₀, is that of digits
+_NO_NOISE = 1e-6
 
 
 def of_measurements(case: Case) -> Iterator[Finding]:
@@ -74,8 +76,10 @@ def of_estimates(case: Case, acc: Array, Delta: Array, limited: Sequence[float])
             )
 
 
-def of_innovations(ratios: Array) -> Finding:
-    """ratios: innovations over their standard deviations (n × 3)."""
+def of_innovations(ratios: Array, noise: float) -> Finding:
+    """ratios: innovations over their standard deviations (n × 3); noise: that of the forces, in F₀."""
+    if noise < _NO_NOISE:
+        return Finding("innovations", "there is no noise to speak of, so innovations tell nothing", noise)
     size = np.mean(ratios**2, axis=0)
     colour = np.array([np.corrcoef(r[1:], r[:-1])[0, 1] if r.std() else 1.0 for r in ratios.T])
     wrong = bool((size < _SIZE[0]).any() or (size > _SIZE[1]).any() or (np.abs(colour) > _COLOUR).any())

@@ -26,7 +26,7 @@ from .likelihood import Weight, gains, weight
 from .variants import Variant, variants
 
 # of a longer recording the samples in its middle are asked
-_MOST = 10_000
+_MOST = 4_000
 # log L that a variant must gain, and that of each sample: what the model leaves out is no doubt of the muscle
 _GAIN, _EACH = 30.0, 0.02
 # others than the best are named up to here
@@ -62,7 +62,7 @@ def verdict(
 ) -> Verdict:
     """Whether a recording and the numbers of its muscles can be believed.
 
-    recording, muscles, mapping: as `estimate` takes them. Of more than 10,000 samples those in the middle are asked.
+    recording, muscles, mapping: as `estimate` takes them. Of more than 4,000 samples those in the middle are asked.
     RecordingError, ScenarioError for what cannot be a recording of these muscles at all.
     """
     pair = muscles if isinstance(muscles, MusclePair) else read_muscles(muscles)
@@ -75,7 +75,7 @@ def _findings(read: Recording, pair: MusclePair, progress: Progress) -> Iterator
     case, record = recorded(read, pair)
     yield from (plain := list(of_measurements(case)))
     found = passed(record, How(), {}, 1, unseen)
-    yield of_innovations(innovations(record, found.inputs))
+    yield of_innovations(innovations(record, found.inputs), min(case.sizes.sigma_F1, case.sizes.sigma_F2))
     limits = [float(np.mean(found.outputs[f"a{j}_hat_limit"])) for j in (1, 2)]
     yield from of_estimates(case, record.columns["acc"], found.outputs["Delta_hat"], limits)
     inputs, activations = choices = causal_choices(record, {})
@@ -95,7 +95,7 @@ def _findings(read: Recording, pair: MusclePair, progress: Progress) -> Iterator
 def _doubts(base: Weight, weighed: Sequence[tuple[Variant, float | None]], needed: float) -> Iterator[Finding]:
     """What would make the recording likelier, best first, or that nothing does, or that nothing can be told."""
     telling = [(variant, gain) for variant, gain in weighed if gain is not None and (variant.mechanical or base.says)]
-    better = sorted(((v, g) for v, g in telling if g > needed), key=lambda pair: -pair[1])
+    better = sorted(((v, g) for v, g in telling if g > needed * v.caution), key=lambda pair: -pair[1])
     if better:
         named = [f"{variant.sentence} (log L {gain:+,.0f})" for variant, gain in better[:_NAMED]]
         curves = "" if better[0][0].mechanical else ", or with curves of another kind"

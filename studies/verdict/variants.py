@@ -18,6 +18,7 @@ class Variant:
     recording: Recording
     pair: MusclePair
     mechanical: bool = False
+    caution: float = 1.0  # times what another one must gain
 
 
 # number of a muscle → the factors that are tried, and what it is called
@@ -28,8 +29,8 @@ _FACTORS = {
     "v_max": ((0.2, 0.5, 2.0, 5.0), "v_max"),
 }
 _MASSES = (0.1, 0.5, 2.0, 10.0)
-# from here on a factor is no percentage
-_TIMES = 1.5
+# from here on a factor is no percentage; a muscle so far from the file's must gain more to be named
+_TIMES, _CAUTION = 1.5, 2.0
 
 
 def variants(recording: Recording, pair: MusclePair) -> Iterator[Variant]:
@@ -37,7 +38,8 @@ def variants(recording: Recording, pair: MusclePair) -> Iterator[Variant]:
     for name, (factors, called) in _FACTORS.items():
         for factor in factors:
             first, second = (_scaled(muscle, name, factor) for muscle in (pair.muscle1, pair.muscle2))
-            yield Variant(name, f"{called} {_by(factor)}", recording, replace(pair, muscle1=first, muscle2=second))
+            other, caution = replace(pair, muscle1=first, muscle2=second), 1.0 if _is_close(factor) else _CAUTION
+            yield Variant(name, f"{called} {_by(factor)}", recording, other, False, caution)
     for factor in _MASSES:
         yield Variant("mass", f"a mass {_by(factor)}", recording, replace(pair, mass=pair.mass * factor), True)
     swapped = replace(recording, force_1=recording.force_2, force_2=recording.force_1)
@@ -50,6 +52,10 @@ def _scaled(muscle: Muscle, name: str, factor: float) -> Muscle:
 
 def _by(factor: float) -> str:
     """`5 % larger`, or `2 times as large`."""
-    if not 1 / _TIMES < factor < _TIMES:
+    if not _is_close(factor):
         return f"{factor:g} times as large"
     return f"{abs(factor - 1):.0%} {'larger' if factor > 1 else 'smaller'}"
+
+
+def _is_close(factor: float) -> bool:
+    return 1 / _TIMES < factor < _TIMES

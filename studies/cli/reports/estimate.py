@@ -111,14 +111,23 @@ def _seconds(value: float) -> str:
 def score_table(scores: Sequence[Score]) -> Table:
     """RMSE of each observer after the first second, both muscles together."""
     table = Table(box=None, padding=(0, 2, 0, 0), title=f"RMSE after {SETTLED:g} s", title_justify="left")
-    shown = [q for q in _SHOWN if any(score.quantity == q for score in scores)]
-    for heading in ("", *(_SHOWN[q][0] for q in shown)):
+    head, *rows = score_cells(scores)
+    for heading in head:
         table.add_column(heading, justify="left" if not heading else "right", no_wrap=True)
-    by_key = {(s.observer, s.quantity): s.rmse for s in scores if s.muscle in ("", BOTH)}
-    for observer in dict.fromkeys(score.observer for score in scores):
-        cells = [number(by_key[observer, q] * _SHOWN[q][1]) for q in shown]
-        table.add_row(Text(label(observer)), *cells)
+    for observer, *cells in rows:
+        table.add_row(Text(observer), *cells)
     return table
+
+
+def score_cells(scores: Sequence[Score]) -> list[list[str]]:
+    """The same as words: a row of headings, then a row for each observer, which it begins with."""
+    shown = [q for q in _SHOWN if any(score.quantity == q for score in scores)]
+    by_key = {(s.observer, s.quantity): s.rmse for s in scores if s.muscle in ("", BOTH)}
+    rows = [
+        [label(observer), *(number(by_key[observer, q] * _SHOWN[q][1]) for q in shown)]
+        for observer in dict.fromkeys(score.observer for score in scores)
+    ]
+    return [["", *(_SHOWN[q][0] for q in shown)], *rows]
 
 
 def _against(dataset: xr.Dataset) -> bool:

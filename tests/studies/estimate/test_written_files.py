@@ -14,7 +14,6 @@ import xarray as xr
 from hillobs.studies.estimate.files import save_estimates
 from hillobs.studies.estimate.run import estimate
 from hillobs.studies.estimate.scores import scores
-from hillobs.studies.figures.estimate import estimate_sheet
 from hillobs.studies.files.datasets.netcdf import load
 from hillobs.studies.files.tables import Series, write_csv
 from hillobs.studies.laboratory.recording import Recording, read_recording
@@ -89,35 +88,6 @@ def test_the_same_recording_gives_the_same_files(
     assert command("figures", "a/estimates.nc", "--out", "drawn")[0] == 0
     for name, drawn in contents(Path("drawn")).items():
         assert drawn == both[0][name]
-
-
-def test_the_sheet_shows_errors_where_the_truth_is_known(noisy: xr.Dataset) -> None:
-    labels = [axes.get_ylabel() for axes in estimate_sheet(noisy).axes]
-    errors = [label for label in labels if label.startswith("error of")]
-    assert errors == ["error of\nactivation 1", "error of\nactivation 2"]
-    alone = noisy.drop_vars([name for name in noisy if str(name).startswith("true_")])
-    assert len(estimate_sheet(alone).axes) == len(labels) - len(errors)
-    bridged = alone.isel(time=[0]).assign(bridged=alone.bridged.isel(time=[0]) + 1)
-    assert all(axes.collections for axes in estimate_sheet(bridged).axes)
-
-
-@pytest.mark.parametrize(("observer", "suffix"), [("kalman", "_sd"), ("high_gain", "_sd_muscle")])
-def test_the_sheet_shades_95_percent_of_the_surest_observer(noisy: xr.Dataset, observer: str, suffix: str) -> None:
-    chosen = ["high_gain_3", "high_gain", "kalman"] if observer == "kalman" else ["high_gain", "sliding_mode"]
-    shown = noisy.sel(observer=chosen)
-    figure = estimate_sheet(shown)
-    words = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert ("95 % of KF" if observer == "kalman" else "95 % of HGO, without noise") in words
-    panel = next(axes for axes in figure.axes if axes.get_ylabel() == "activation 2")
-    (shade,) = (drawn for drawn in panel.collections if drawn.get_label() == "95 %")
-    of = shown.sel(observer=observer, muscle=2)
-    width = 1.96 * of[f"activation{suffix}"]
-    corners = {tuple(corner) for path in shade.get_paths() for corner in path.vertices}
-    for side in (of.activation_hat - width, of.activation_hat + width):
-        assert set(zip(of.time.values, side.values, strict=True)) <= corners
-    # nothing is known of what is shown there
-    innovation = next(axes for axes in figure.axes if axes.get_ylabel().startswith("innovation"))
-    assert "95 %" not in [drawn.get_label() for drawn in innovation.collections]
 
 
 def test_deviations_are_written_in_the_units_of_the_estimates(noisy: xr.Dataset, tmp_path: Path) -> None:
