@@ -68,7 +68,7 @@ def chosen_activations(record: Record, tables: Sequence[Array], first: Choice, b
         numbers = {**defaults, **_known(first.fit.numbers, parameters), **own, **_known(by_hand, parameters)}
         return fitted(passes, tables, numbers, _free(OF_ACTIVATIONS, least, by_hand))
 
-    return _likeliest(fitting, [order_D], [_USUAL, *_OTHERS], _counted(tables))
+    return _likeliest(fitting, [order_D], _tried(by_hand, "order_a"), _counted(tables))
 
 
 def manifest(choice: Choice) -> dict[str, Any]:

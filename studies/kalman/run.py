@@ -86,6 +86,23 @@ def passed(record: Record, how: How, by_hand: Mapping[str, float], keep_every: i
     )
 
 
+def causal_choices(record: Record, by_hand: Mapping[str, float]) -> tuple[Choice, Choice]:
+    """What `passed` finds in all samples of a recording, for causal estimates; by_hand: orders that are known."""
+    muscles, rows, about = compiled_muscles(record.curves), settled(record.table()), How()
+    inputs = chosen_inputs(record, [rows], by_hand)
+    linear = _linear(record, muscles, rows, _whole(record, inputs, rows, about))
+    of_second = {name: value for name, value in by_hand.items() if name == "order_a"}
+    return inputs, chosen_activations(record, [linear], inputs, of_second)
+
+
+def innovations(record: Record, inputs: Choice) -> Array:
+    """The innovations of the first pass over their standard deviations (n × 3), of the samples that count."""
+    passes, numbers, rows = compiled(INPUTS_MODEL), inputs.fit.numbers, settled(record.table())
+    filtered = passes.filtered(numbers, passes.start(numbers, rows[0]), rows, passes.motions(numbers, rows))
+    ratios: Array = (filtered.nu / np.sqrt(filtered.S))[rows[:, -1] > 0]
+    return ratios
+
+
 def compile_passes(curves: Curves) -> None:
     """Compile what `passed` needs, or load it from the cache."""
     compiled_muscles(curves)
