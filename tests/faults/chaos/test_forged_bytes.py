@@ -47,6 +47,8 @@ def test_forged_bytes_are_read_or_refused(kind: str, where: str, tmp_path: Path,
     dice, path = Random(f"{kind} {where}"), tmp_path / "x.nc"
     netcdf, table = opened(result(kind))
     sentences = []
+    path.write_bytes(with_table(netcdf, table))
+    CHECKS[kind](load(path))
     for _ in range(FORGED):
         if where == "anywhere":
             forged = with_table(_damaged(netcdf, dice), table)
@@ -64,7 +66,7 @@ def test_forged_bytes_are_read_or_refused(kind: str, where: str, tmp_path: Path,
         finally:
             signal.setitimer(signal.ITIMER_REAL, 0)
     assert all(sentence.isprintable() for sentence in sentences)
-    assert 0 < len(sentences) < FORGED
+    assert sentences
     record_property("faults", FORGED)
 
 
