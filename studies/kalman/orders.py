@@ -41,16 +41,25 @@ def chosen_inputs(record: Record, tables: Sequence[Array], by_hand: Mapping[str,
 
     by_hand: name → value of what is to stay as it is.
     """
-    sizes, T, passes = resolved(record.sizes, record.T), record.T, compiled(INPUTS_MODEL)
+    passes = compiled(INPUTS_MODEL)
 
     def fitting(order_D: int, order_u: int) -> Fit:
-        least = least_densities(sizes, T, order_D, order_u)
-        start = {name: max(value, least[name]) for name, value in densities(sizes, T, order_D, order_u).items()}
-        orders = {"order_D": float(order_D), "order_u": float(order_u)}
-        numbers = {**record.numbers, **noise(record.sizes, T), **start, **orders, **by_hand}
+        least = least_densities(resolved(record.sizes, record.T), record.T, order_D, order_u)
+        numbers = before_a_fit(record, by_hand, order_D, order_u)
         return fitted(passes, tables, numbers, _free(OF_INPUTS, least, by_hand))
 
     return _likeliest(fitting, _tried(by_hand, "order_D"), _tried(by_hand, "order_u"), _counted(tables))
+
+
+def before_a_fit(
+    record: Record, by_hand: Mapping[str, float], order_D: int = _USUAL, order_u: int = _USUAL
+) -> dict[str, float]:
+    """The numbers of the first pass with densities as the sizes of the recording let expect them."""
+    sizes, T = resolved(record.sizes, record.T), record.T
+    least = least_densities(sizes, T, order_D, order_u)
+    start = {name: max(value, least[name]) for name, value in densities(sizes, T, order_D, order_u).items()}
+    orders = {"order_D": float(order_D), "order_u": float(order_u)}
+    return {**record.numbers, **noise(record.sizes, T), **start, **orders, **by_hand}
 
 
 def chosen_activations(record: Record, tables: Sequence[Array], first: Choice, by_hand: Mapping[str, float]) -> Choice:
