@@ -32,7 +32,7 @@ class CompiledMuscles:
         self._library = compile_functions([_function(block) for block in self._blocks.values()])
 
     def outputs(self, name: str, numbers: Mapping[str, float], given: Mapping[str, Array]) -> dict[str, Array]:
-        """Outputs and guards (n) by name, of ACTIVATION, SPREAD, LAW or TENDONS; numbers, given: by the names it knows."""
+        """Outputs and guards (n) by name, of one of the four above; numbers, given: by the names it knows."""
         block = self._blocks[name]
         columns = np.stack([given[port] for port in block.u], axis=-1)
         (results,) = self._library.call(name, columns, [numbers[number] for number in block.p])

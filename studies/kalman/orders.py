@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from ...model.arrays import Array
-from ...observers.kalman.activations import ACTIVATIONS_MODEL
+from ...observers.kalman.activations import ACTIVATIONS_MODEL, OF_LAW
 from ...observers.kalman.activations import DENSITIES as OF_ACTIVATIONS
 from ...observers.kalman.inputs import DENSITIES as OF_INPUTS
 from ...observers.kalman.inputs import INPUTS_MODEL
@@ -69,15 +69,23 @@ def chosen_activations(record: Record, tables: Sequence[Array], first: Choice, b
     order_D = int(by_hand.get("order_D", _USUAL))
     s_D = densities(sizes, T, order_D)["s_D"] if first.orders[0] != order_D else first.fit.numbers["s_D"]
 
+    least = {name: _LEAST * parameters[name].default for name in OF_ACTIVATIONS}
+    least["s_D"] = least_densities(sizes, T, order_D, _USUAL)["s_D"]
+    free = _free(OF_ACTIVATIONS, least, by_hand)
+
     def fitting(order_D: int, order_a: int) -> Fit:
         defaults = {name: parameter.default for name, parameter in parameters.items()}
-        least = {name: _LEAST * parameters[name].default for name in OF_ACTIVATIONS}
-        least["s_D"] = least_densities(sizes, T, order_D, _USUAL)["s_D"]
         own = {"s_D": max(s_D, least["s_D"]), "order_D": float(order_D), "order_a": float(order_a)}
         numbers = {**defaults, **_known(first.fit.numbers, parameters), **own, **_known(by_hand, parameters)}
-        return fitted(passes, tables, numbers, _free(OF_ACTIVATIONS, least, by_hand))
+        return fitted(passes, tables, numbers, free)
 
-    return _likeliest(fitting, [order_D], [_USUAL, *_OTHERS], _counted(tables))
+    choice = _likeliest(fitting, [order_D], [_USUAL, *_OTHERS], _counted(tables))
+    # towards 0 the fixed point creeps, and log L hardly tells: it is asked for what the law leaves, or nothing
+    exact = {**choice.fit.numbers, **{name: smallest for name, smallest in free.items() if name in OF_LAW}}
+    without = fitted(passes, tables, exact, {name: smallest for name, smallest in free.items() if name not in OF_LAW})
+    passes_taken = choice.fit.passes + without.passes
+    better = max((without, choice.fit), key=lambda fit: fit.log_likelihood)
+    return replace(choice, fit=replace(better, passes=passes_taken))
 
 
 def manifest(choice: Choice) -> dict[str, Any]:

@@ -1,6 +1,7 @@
 """Recordings of pairs that are drawn: the Kalman filter's bands hold, and its smoother is better than its filter."""
 
 import functools
+import json
 from dataclasses import replace
 
 import numpy as np
@@ -17,6 +18,8 @@ from random_recordings import KINDS, Drawn, drawn
 pytestmark = pytest.mark.numerics
 
 FEW, SECONDS, SLOWLY = 6, 4.0, (100.0,)
+# of these few, those with activations that a line through Hill's law follows without a rest
+LAWFUL = (0, 1, 4)
 MANY = range(1000, 1064)
 # 95 % of a normal distribution are within so many standard deviations
 BAND = 1.96
@@ -95,6 +98,15 @@ def test_noise_of_the_forces_shifts_no_tendon_length() -> None:
         expected = sigma[j] / np.sqrt(n) * np.ptp(length) / np.ptp(force)
         error = float((of.tendon_length_hat - of.true_tendon_length).sel(muscle=j).mean())
         assert abs(error) < 3 * expected, (j, error / expected)
+
+
+def test_no_noise_is_added_to_a_law_that_holds() -> None:
+    """A density that ought to be 0 is hardly less likely at a value that makes the velocity twice as uncertain."""
+    for one in (few()[seed] for seed in LAWFUL):
+        gains = json.loads(followed(one, True, "a").attrs["gains"])["kalman"]
+        # over a whole recording it moves a tendon by less than a tenth of the least noise that is drawn, 0.02 mm of 0.2 m
+        drift = max(gains["kalman.s_x3"], gains["kalman.s_x4"]) * np.sqrt(scales(one.pair).rate * SECONDS)
+        assert drift < 1e-5
 
 
 @pytest.mark.chaos
