@@ -104,7 +104,7 @@ def test_no_noise_is_added_to_a_law_that_holds() -> None:
     """A density that ought to be 0 is hardly less likely at a value that makes the velocity twice as uncertain."""
     for one in (few()[seed] for seed in LAWFUL):
         gains = json.loads(followed(one, True, "a").attrs["gains"])["kalman"]
-        # over a whole recording it moves a tendon by less than a tenth of the least noise that is drawn, 0.02 mm of 0.2 m
+        # over a whole recording it moves a tendon by less than a tenth of the least noise drawn, 0.02 mm of 0.2 m
         drift = max(gains["kalman.s_x3"], gains["kalman.s_x4"]) * np.sqrt(scales(one.pair).rate * SECONDS)
         assert drift < 1e-5
 
