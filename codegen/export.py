@@ -9,6 +9,7 @@ from importlib import resources
 import casadi as ca
 
 from ..model.block import Block
+from .lowering import without_branches
 
 _KERNEL = "hillobs.codegen.kernel"
 # what a block of the loop can do: arguments and results of each role, in the order of the kernel's calls
@@ -36,6 +37,7 @@ def export_functions(functions: Sequence[ca.Function], caller: str = "call.cpp")
     """A library of functions, to be evaluated at many points, or by another `caller` of the kernel."""
     for function in functions:
         _refuse_sparse(function)
+    functions = [without_branches(function) for function in functions]
     title = f"// Functions: {', '.join(function.name() for function in functions)}"
     parts = [title, *_lanes(), _casadi("static", functions), _function_table(functions), _kernel(caller)]
     listed = [

@@ -56,6 +56,20 @@ def lowered(expressions: Sequence[ca.SX], inputs: Sequence[ca.SX], reciprocals: 
     ]
 
 
+# CasADi writes both with a branch
+_BRANCHES = (ca.OP_SIGN, ca.OP_IF_ELSE_ZERO)
+
+
+def without_branches(f: ca.Function) -> ca.Function:
+    """The same function, lowered if it has a branch."""
+    if not any(f.instruction_id(k) in _BRANCHES for k in range(f.n_instructions())):
+        return f
+    inputs = [ca.SX.sym(f.name_in(i), f.size1_in(i), f.size2_in(i)) for i in range(f.n_in())]
+    with as_written():
+        scalars = [scalar for matrix in inputs for scalar in ca.vertsplit(ca.vec(matrix))]
+        return ca.Function(f.name(), inputs, lowered(f.call(inputs), scalars, {}), f.name_in(), f.name_out())
+
+
 def _divisors(f: ca.Function) -> dict[int, int]:
     """The divisions by a value that is a divisor more than once: instruction → instruction that made the value."""
     made: dict[int, int] = {}

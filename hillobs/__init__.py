@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from .studies.sweep.cluster.client import ClusterWarning
     from .studies.sweep.computing import SweepWarning
     from .studies.sweep.run import sweep
+    from .studies.verdict.run import verdict
 
 _NAMES = {
     ".codegen.cache": ("BuildError", "CacheWarning"),
@@ -53,6 +54,7 @@ _NAMES = {
     ".studies.sweep.cluster.client": ("ClusterWarning",),
     ".studies.sweep.computing": ("SweepWarning",),
     ".studies.sweep.run": ("sweep",),
+    ".studies.verdict.run": ("verdict",),
 }
 _PLACES = {name: module for module, names in _NAMES.items() for name in names}
 
@@ -101,4 +103,5 @@ __all__ = [
     "simulate",
     "sweep",
     "symbols",
+    "verdict",
 ]

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from ..model.block import Block, Parameter, Parameters, Symbols, symbols
-from ..model.curves import NGUYEN2019, Curves, by_muscle, curve_parameters
+from ..model.curves import NGUYEN2019, Curves, CurveSet, by_muscle, curve_parameters
 from ..model.dialect import clamp, outside
 from ..model.skeleton import LENGTH, lengths
 from ..model.symbols import MUSCLES
@@ -42,6 +42,12 @@ def activation_parameters(curves: Curves) -> Parameters:
     return {"C": LENGTH, **LIMITS, **curve_parameters(curves)}
 
 
+def activation(curves: CurveSet, L_S: ca.SX, L_m: ca.SX, u: ca.SX, p: Symbols) -> ca.SX:
+    """The activation, not limited, of a muscle of length L_m that shortens with velocity u."""
+    # â_j = (Φ_S(x̂_{j+2}) − Φ_P(L̂_Cj))/(g(û_j) f(L̂_Cj))   [z]
+    return curves.activation(curves.Phi_S(L_S, p), L_m - L_S, u, p)
+
+
 def formulas(curves: Curves, u: Symbols, p: Symbols) -> Iterator[Formula]:
     """The activations of both muscles as their states, not yet limited, are in the estimates `u`."""
     sets = by_muscle(curves)
@@ -49,9 +55,7 @@ def formulas(curves: Curves, u: Symbols, p: Symbols) -> Iterator[Formula]:
         curve, numbers, L_S, drive = sets[muscle], p.part(muscle), u[f"x{j + 2}_hat"], ca.SX.sym("drive")
         speed = curve.speed(numbers)
         low, high = p.u_low * speed, p.u_high * speed
-        # â_j = (Φ_S(x̂_{j+2}) − Φ_P(L̂_Cj))/(g(û_j) f(L̂_Cj))   [z]
-        a = curve.activation(curve.Phi_S(L_S, numbers), L_m - L_S, drive, numbers)
-        yield Formula(j, a, drive, low, high, speed)
+        yield Formula(j, activation(curve, L_S, L_m, drive, numbers), drive, low, high, speed)
 
 
 def activation_estimate(curves: Curves = NGUYEN2019) -> Block:

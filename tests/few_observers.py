@@ -12,12 +12,18 @@ from hillobs.studies.scenarios.loops import all_paths, paper_loop
 @contextmanager
 def few_observers(*names: str) -> Iterator[pytest.MonkeyPatch]:
     """Let the registry hold those that are named and no others, with an empty memory of loops; it may be patched."""
-    with pytest.MonkeyPatch.context() as patched:
-        for name in set(OBSERVERS) - set(names):
-            patched.delitem(OBSERVERS, name)
+    whole = dict(OBSERVERS)
+    try:
+        with pytest.MonkeyPatch.context() as patched:
+            for name in set(OBSERVERS) - set(names):
+                patched.delitem(OBSERVERS, name)
+            _forget()
+            yield patched
+    finally:
+        # what was left out has come back at the end; libraries and sentences have the order of the registry
+        OBSERVERS.clear()
+        OBSERVERS.update(whole)
         _forget()
-        yield patched
-    _forget()
 
 
 def _forget() -> None:

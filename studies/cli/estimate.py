@@ -3,27 +3,40 @@
 from __future__ import annotations
 
 import itertools
+import json
 import sys
 import time
 from pathlib import Path
 
 import click
 
-from ...observers import PAPER
-from ..estimate.files import estimate_paths, refuse_replacing, save_estimates
-from ..estimate.run import compile_observers
+from ..estimate.files import estimate_paths, refuse_replacing, report_path, save_estimates
+from ..estimate.run import KALMAN, compile_observers
 from ..estimate.run import estimate as estimated
 from ..estimate.scores import scores
-from ..figures.estimate import SHEET, save_sheet
-from ..figures.page import figure_paths
-from ..files.writing import writable_folder
+from ..figures.estimate import SHEET, estimate_sheet
+from ..figures.page import content, figure_paths, write_figures
+from ..files.writing import writable_folder, write_whole
 from ..kalman.run import AUTO, FORMS
 from ..laboratory.mapping import read_mapping
 from ..laboratory.muscles import read_muscles
 from ..laboratory.recording import read_recording
 from ..scenarios.layers import Value
-from .options import mapping_option, observer_option, seconds_option, set_option, whole_option
+from ..scenarios.observers import observers_named
+from ..verdict.run import verdict
+from .options import (
+    corrected_option,
+    doubt_option,
+    mapping_option,
+    observer_option,
+    seconds_option,
+    set_option,
+    whole_option,
+)
+from .own_observers import loaded
 from .reports.estimate import failures, notes, score_table, timing
+from .reports.estimate_page import estimate_page
+from .reports.verdict import answer, sentences
 from .reports.written import written
 from .terminal import NUMERICAL, bar, complain, print_table, say
 
@@ -35,9 +48,11 @@ _STEM = "estimates"
 @click.argument("recording", metavar="RECORDING")
 @click.option("--muscles", required=True, metavar="FILE.toml", help="The muscles in SI, see docs/recordings.md.")
 @observer_option()
+@corrected_option(default=True)
 @mapping_option()
 @set_option("A gain by hand: high_gain.eps_h=0.05.")
-@click.option("--uncorrected", is_flag=True, help="Leave out the correction of the sliding mode observers' layers.")
+@doubt_option()
+@click.option("--no-doubt", is_flag=True, help="Numbers are right, but for those of --doubt.")
 @click.option("--smooth", is_flag=True, help="Estimates know all samples, later ones too: the Kalman filter alone can.")
 @seconds_option("--lag", "Its estimates may be so late, to know the samples until then: 20ms.")
 @click.option(
@@ -47,39 +62,48 @@ _STEM = "estimates"
     show_default=True,
     help="What its unknowns are: inputs u or activations a.",
 )
+@click.option("--no-verdict", is_flag=True, help="Do not ask whether recording and muscles can be believed.")
+@click.option(
+    "--json", "as_json", is_flag=True, help="Verdict, scores and files as JSON; words go to the error stream."
+)
 @whole_option("--every", 1, "Keep the estimates of every Nth sample.", default=1)
 @click.option("--out", default="estimates", show_default=True, metavar="DIR", help="Where estimates are written.")
 @click.option("--no-figures", is_flag=True, help="Write no figures.")
+@click.option("--report", is_flag=True, help="Write a page for a browser too: figure, scores, settings, in one file.")
 def estimate(
     recording: str,
     muscles: str,
     observers: tuple[str, ...],
+    corrected: bool,
     maps: tuple[str, ...],
     changes: dict[str, Value],
-    uncorrected: bool,
+    doubt: dict[str, float | str],
+    no_doubt: bool,
     smooth: bool,
     lag: float,
     form: str,
+    no_verdict: bool,
+    as_json: bool,
     every: int,
     out: str,
     no_figures: bool,
+    report: bool,
 ) -> None:
     """Estimate velocity, lengths, activations and disturbance from RECORDING: CSV, .sto or .mot, also gzipped.
 
     It needs time, position and both tendon forces. If it has the truth too, the estimates are scored.
     """
     folder = writable_folder(Path(out))
-    pair, mapping = read_muscles(muscles), read_mapping(maps)
+    chosen, pair, mapping = loaded(observers), read_muscles(muscles), read_mapping(maps)
     times = [time.monotonic()]
     with bar("reading") as progress:
         read = read_recording(recording, mapping, progress)
     times.append(time.monotonic())
     sheet = [] if no_figures else [SHEET]
-    names = tuple(dict.fromkeys(observers or PAPER))
-    paths = estimate_paths(folder, names, bool(read.true))
-    refuse_replacing(folder, [*paths, *figure_paths(folder, _STEM, sheet)])
+    paths = estimate_paths(folder, tuple(observers_named(chosen)), bool(read.true))
+    refuse_replacing(folder, [*paths, *figure_paths(folder, _STEM, sheet), *[report_path(folder)] * report])
     with bar("following") as progress:
-        compile_observers(pair, observers or None, not uncorrected)
+        compile_observers(pair, chosen, corrected)
         # following ends with its last progress: making a Dataset imports half of dask, which no observer costs
         times += [time.monotonic()] * 2
 
@@ -88,19 +112,45 @@ def estimate(
             progress(done)
 
         dataset = estimated(
-            read, pair, observers or None, None, not uncorrected, changes, every, advance, form, smooth, lag
+            read,
+            pair,
+            chosen,
+            None,
+            corrected,
+            changes,
+            every,
+            advance,
+            form,
+            smooth,
+            lag,
+            doubt,
+            not no_doubt,
         )
     reading, building, following = (after - before for before, after in itertools.pairwise(times))
-    known = scores(dataset)
+    known, judged = scores(dataset), None
+    if KALMAN in dataset.observer and not no_verdict:
+        with bar("weighing") as progress:
+            judged = verdict(read, pair, None, progress)
+        dataset.attrs |= {"quality": judged.quality, "verdict": json.dumps(judged.as_dict())}
     with bar("writing"):
         paths = save_estimates(dataset, known, folder)
+        drawn = {} if no_figures and not report else {SHEET: estimate_sheet(dataset)}
         if not no_figures:
-            paths += save_sheet(dataset, folder, _STEM)
-    say(*notes(dataset), timing(dataset, reading, building, following))
-    if known:
+            paths += write_figures(drawn, folder, _STEM)
+        if report:
+            lines = list(sentences(judged)) if judged else []
+            page = estimate_page(dataset, known, lines, content(drawn[SHEET], "png"))
+            write_whole(report_path(folder), page)
+            paths.append(report_path(folder))
+    say(*notes(dataset), timing(dataset, reading, building, following), err=as_json)
+    if judged:
+        say("", *sentences(judged), err=as_json)
+    if as_json:
+        say(*answer(judged, known, paths).split("\n"))
+    elif known:
         say("")
         print_table(score_table(known))
-    say(written(paths))
+    say(written(paths), err=as_json)
     ended = list(failures(dataset))
     for sentence in ended:
         complain(sentence)

@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from ..estimate.schema import check_estimates
-from ..figures.estimate import save_sheet
+from ..figures.estimate import SHEET, estimate_sheet
 from ..figures.muscle_curves import curve_figure
 from ..figures.page import write_figures
 from ..figures.run import save_figures
@@ -41,8 +41,10 @@ def figures(result: Path, out: Path | None) -> None:
     sentence = ""
     if kind == "failed_at":
         paths, sentence = save_sweep_figures(dataset, folder, result.stem)
+    elif kind == "x_hat":
+        paths = save_figures(dataset, folder, result.stem)
     else:
-        paths = (save_figures if kind == "x_hat" else save_sheet)(dataset, folder, result.stem)
+        paths = write_figures({SHEET: estimate_sheet(dataset)}, folder, result.stem)
     if sentence:
         say(sentence)
     if paths:

@@ -9,6 +9,7 @@ import click
 from click.shell_completion import CompletionItem
 
 from ...observers import OBSERVERS
+from ..estimate.bands.doubt import parse_doubt
 from ..files.errors import ScenarioError
 from ..files.numbers import parse_number, typed_whole
 from ..files.quote import shown
@@ -39,14 +40,24 @@ def scenarios_argument() -> Decorator:
 
 
 def observer_option() -> Decorator:
-    """`--observer`, which may be repeated: a tuple of names."""
+    """`--observer`, which may be repeated: a tuple of what is typed, for `own_observers.loaded`."""
     return click.option(
         "--observer",
         "observers",
         multiple=True,
-        metavar="NAME",
+        metavar="NAME|FILE.py:NAME",
         shell_complete=_complete_observers,
-        help="Only this observer; may be repeated.",
+        help="Only this observer, or a Block of your own in a file, which is run; may be repeated.",
+    )
+
+
+def corrected_option(default: bool) -> Decorator:
+    """`--corrected` and `--uncorrected`."""
+    return click.option(
+        "--corrected/--uncorrected",
+        default=default,
+        show_default=True,
+        help="Correct the layers of the sliding mode observers, or not.",
     )
 
 
@@ -82,6 +93,17 @@ def over_option() -> Decorator:
     )
 
 
+def doubt_option() -> Decorator:
+    """`--doubt NAME=SD`, which may be repeated: a dict; of a name given twice the last counts."""
+    return click.option(
+        "--doubt",
+        multiple=True,
+        metavar="NAME=SD",
+        callback=_doubts,
+        help="How far a number may be off: optimal_fibre_length=3%, muscle1.F_max=50, force_bias=5N.",
+    )
+
+
 def whole_option(name: str, least: int, sentence: str, default: int | None = None, metavar: str = "N") -> Decorator:
     """A whole number of at least `least`, strictly: no underscores, no digits of other scripts."""
 
@@ -113,6 +135,10 @@ def _changes(ctx: click.Context, param: click.Parameter, typed: tuple[str, ...])
     return dict(parse_change(text) for text in typed)
 
 
+def _doubts(ctx: click.Context, param: click.Parameter, typed: tuple[str, ...]) -> dict[str, float | str]:
+    return dict(parse_doubt(text) for text in typed)
+
+
 def _axes(ctx: click.Context, param: click.Parameter, typed: tuple[str, ...]) -> dict[str, Values]:
     axes = dict(parse_axis(text) for text in typed)
     if len(axes) < len(typed):
@@ -125,7 +151,7 @@ def _complete_scenarios(ctx: click.Context, param: click.Parameter, incomplete: 
 
 
 def _complete_observers(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
-    return _beginning(OBSERVERS, incomplete)
+    return [*_beginning(OBSERVERS, incomplete), CompletionItem(incomplete, type="file")]
 
 
 def _complete_paths(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:

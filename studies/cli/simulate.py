@@ -17,7 +17,8 @@ from ..scenarios.prepare import prepare
 from ..scenarios.scenario import parse_change
 from ..simulate.files import run_paths, save
 from ..simulate.run import RunWarning, simulate_prepared
-from .options import observer_option, scenarios_argument, set_option
+from .options import corrected_option, observer_option, scenarios_argument, set_option
+from .own_observers import loaded
 from .reports.simulate import failures, notes, tables
 from .reports.written import written
 from .terminal import NUMERICAL, bar, complain, print_table, say
@@ -28,6 +29,7 @@ _PAPER = ("paper-clean", "paper-noisy")
 @click.command()
 @scenarios_argument()
 @observer_option()
+@corrected_option(default=False)
 @set_option("Change a number, e.g. plant.m=1.2.")
 @click.option("--seed", metavar="N", help="Seed of the measurement noise.")
 @click.option("--step", metavar="H", help="Integration step.")
@@ -36,6 +38,7 @@ _PAPER = ("paper-clean", "paper-noisy")
 def simulate(
     scenarios: tuple[str, ...],
     observers: tuple[str, ...],
+    corrected: bool,
     changes: dict[str, Value],
     seed: str | None,
     step: str | None,
@@ -46,7 +49,8 @@ def simulate(
     for path, typed in (("seed", seed), ("step", step)):
         if typed is not None:
             changes |= dict([parse_change(f"{path}={typed}")])
-    runs = [prepare(name, list(observers) or None, changes) for name in scenarios or _PAPER]
+    chosen = loaded(observers)
+    runs = [prepare(name, chosen, changes, corrected=corrected) for name in scenarios or _PAPER]
     folder = writable_folder(Path(out))
     drawn = () if no_figures else FIGURES
     refuse_overwriting(

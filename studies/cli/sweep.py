@@ -22,7 +22,8 @@ from ..scenarios.layers import Value
 from ..sweep.axes import DESIGNS, Values
 from ..sweep.plan import MANY_RUNS, plan
 from ..sweep.run import engine, sweep_planned
-from .options import observer_option, over_option, scenario_argument, set_option, whole_option
+from .options import corrected_option, observer_option, over_option, scenario_argument, set_option, whole_option
+from .own_observers import loaded
 from .pace import Pace
 from .reports.sweep import notes, step_table, tables
 from .stopping import Stopped
@@ -36,6 +37,7 @@ from .terminal import NUMERICAL, bar, counting, print_table, say
 @click.option("--zip", "zipped", is_flag=True, help="The i-th values go together, instead of all combinations.")
 @click.option("--design", metavar="KIND:N", help="N points of a design in the ranges: latin:N or sobol:N.")
 @observer_option()
+@corrected_option(default=False)
 @set_option("Change a number of the scenario.")
 @click.option("--out", metavar="FILE.nc", help="Where result and figures go; an unfinished sweep goes on there.")
 @click.option("--quantity", "quantities", multiple=True, metavar="NAME", help="Score x2, Delta, … only; repeatable.")
@@ -56,6 +58,7 @@ def sweep(
     zipped: bool,
     design: str | None,
     observers: tuple[str, ...],
+    corrected: bool,
     changes: dict[str, Value],
     out: str | None,
     quantities: tuple[str, ...],
@@ -72,11 +75,12 @@ def sweep(
             scenario,
             over,
             seeds,
-            list(observers) or None,
+            loaded(observers),
             changes,
             *_kind(zipped, design),
             quantities or QUANTITIES,
             kinds or MEASURES,
+            corrected,
         )
         if planned.runs > MANY_RUNS and not yes:
             raise ScenarioError(f"{planned.runs:,} runs are more than {MANY_RUNS:,}; say --yes if they are meant")

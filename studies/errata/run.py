@@ -24,6 +24,7 @@ from ..files.progress import Progress, shares, unseen
 from ..scenarios.grid import time_grid
 from ..scenarios.layers import Value, layers
 from ..scenarios.loops import paper_loop
+from ..scenarios.observers import own_observer
 from ..scenarios.paths import RUN, paths_of
 from ..scenarios.scenario import scenario
 from ..simulate.measures import measures
@@ -195,7 +196,7 @@ class _Run:
 
 @functools.cache
 def _loop() -> Loop:
-    loop = paper_loop("virtual", NGUYEN2019, (adaptive_as_printed(),), backstepping_as_printed())
+    loop = paper_loop("virtual", NGUYEN2019, (own_observer(adaptive_as_printed()),), False, backstepping_as_printed())
     return replace(loop, bank=replace(loop.bank, observers=loop.observers[-1:]))
 
 

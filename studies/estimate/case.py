@@ -53,7 +53,10 @@ class Result:
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """A recording in the paper's variables: times τ (n), measurements y (n × 3), tendon lengths z, slopes (n × 2)."""
+    """A recording in the paper's variables: times τ (n), measurements y (n × 3), tendon lengths z, slopes (n × 2).
+
+    doubt: path of a number such as muscle1.F_max → its standard deviation in SI.
+    """
 
     recording: Recording
     pair: MusclePair
@@ -65,6 +68,7 @@ class Case:
     gaps: NDArray[np.bool_]
     sizes: Sizes
     settings: Settings
+    doubt: Mapping[str, float]
 
     @property
     def kept(self) -> slice:

@@ -17,10 +17,10 @@ from ...model.curves import CURVES
 from ...model.skeleton import lengths
 from ...model.symbols import STATES, hat
 from ...observers.conditions import Checked
-from ...observers.spread import FIBRES, sd
 from ..files.versions import versions
 from ..laboratory.muscles import muscle_file
 from ..simulate.failures import observer_failure
+from .bands.band import deviations
 from .case import Case, Result
 
 _MUSCLES = (1, 2)
@@ -97,7 +97,7 @@ def estimate_dataset(case: Case, results: Mapping[str, Result], library: str) ->
         # no attribute: the tables of a user's curves are longer than these may be
         "muscle_file": ((), np.array(json.dumps(muscle_file(case.pair))), {"long_name": "the muscles in SI, as JSON"}),
     }
-    data |= _deviations(case, results)
+    data |= deviations(case, results)
     for name, (unit, sentence) in TRUE.items():
         columns = [f"{name}_{j}" for j in _MUSCLES] if name in PER_MUSCLE else [name]
         if all(column in recording.true for column in columns):
@@ -110,32 +110,6 @@ def estimate_dataset(case: Case, results: Mapping[str, Result], library: str) ->
         "muscle": list(_MUSCLES),
     }
     return xr.Dataset(data, coordinates, _manifest(case, results, library))
-
-
-def _deviations(case: Case, results: Mapping[str, Result]) -> dict[str, tuple[tuple[str, ...], Array, dict[str, str]]]:
-    """How sure the observers are, NaN for one that does not tell; nothing if none does."""
-    s, told = case.scales, [result.y for result in results.values() if sd("x1") in result.y]
-    if not told:
-        return {}
-    unknown = np.full_like(told[0][sd("x1")], np.nan)
-
-    def stacked(*names: str) -> Array:
-        return np.stack([np.stack([r.y.get(sd(n), unknown) for n in names], axis=-1) for r in results.values()])
-
-    alone, both = ("observer", "time"), ("observer", "time", "muscle")
-    return {
-        "position_sd": (alone, s.metres(stacked("x1")[..., 0]), _deviation("m", "position")),
-        "velocity_sd": (alone, s.velocity(stacked("x2")[..., 0]), _deviation("m/s", "velocity")),
-        "disturbance_sd": (alone, s.disturbance(stacked("Delta")[..., 0]), _deviation("N", "external force")),
-        "tendon_length_sd": (both, s.metres(stacked(*STATES[2:])), _deviation("m", "tendon lengths")),
-        "fibre_length_sd": (both, s.metres(stacked(*FIBRES)), _deviation("m", "fibre lengths")),
-        "fibre_velocity_sd": (both, s.velocity(stacked("u1", "u2")), _deviation("m/s", "fibre velocities")),
-        "activation_sd": (both, stacked("a1", "a2"), _deviation("1", "activations")),
-    }
-
-
-def _deviation(unit: str, what: str) -> dict[str, str]:
-    return _about(unit, f"standard deviation of the estimated {what}, from noise and unknown inputs alone")
 
 
 def _about(unit: str, sentence: str) -> dict[str, str]:
@@ -157,6 +131,7 @@ def _manifest(case: Case, results: Mapping[str, Result], library: str) -> dict[s
         "numbers": json.dumps(dict(case.scales.numbers)),
         "curves": json.dumps([curve_set.name for curve_set in curves]),
         "sizes": json.dumps(dataclasses.asdict(case.sizes)),
+        "doubt": json.dumps(dict(case.doubt)),
         "gains": json.dumps({name: dict(result.gains) for name, result in results.items()}),
         "substeps": json.dumps({name: result.substeps for name, result in results.items()}),
         "fits": json.dumps({name: result.fit for name, result in results.items() if result.fit}),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -14,7 +15,9 @@ from ..laboratory.columns import OPENSIM
 from .scores import ESTIMATED, Score, scores_csv
 
 _TITLE = "estimates of {observer} from {source}"
-_SCORES = "scores.csv"
+_SCORES, _REPORT = "scores.csv", "estimates.html"
+# what follows the name of an estimate; the part from noise follows from the other two
+_HAT, _DEVIATIONS = "_hat", ("_sd", "_sd_muscle")
 
 
 def estimate_paths(folder: Path, observers: Sequence[str], scored: bool) -> list[Path]:
@@ -24,11 +27,17 @@ def estimate_paths(folder: Path, observers: Sequence[str], scored: bool) -> list
     return [folder / name for name in ("estimates.nc", "estimates.csv", *names, *[_SCORES] * scored)]
 
 
+def report_path(folder: Path) -> Path:
+    """The file of the report."""
+    return folder / _REPORT
+
+
 def save_estimates(dataset: xr.Dataset, scores: list[Score], folder: Path) -> list[Path]:
     """Write `estimates.nc`, `.csv`, an `.sto` per observer, and `scores.csv` if there are any; the paths written.
 
     The .sto files have the measured forces too, so each is a recording that can be read. What an earlier run has left
-    there of other observers, or scores where there are none now, is removed; nothing that we have not written is.
+    there of other observers, its report, and scores where there are none now, are removed; nothing that we have not
+    written is.
     """
     observers = dataset.observer.values.tolist()
     paths = estimate_paths(folder, observers, bool(scores))
@@ -38,10 +47,18 @@ def save_estimates(dataset: xr.Dataset, scores: list[Score], folder: Path) -> li
     position = Series("position", "m", dataset.position.values)
     forces = [Series(f"force_{j}", "N", dataset.force.sel(muscle=j).values) for j in (1, 2)]
     prefixes = {name: f"{name}." if len(observers) > 1 else "" for name in observers}
-    estimates = [series for name, prefix in prefixes.items() for series in _series(dataset, name, prefix)]
+    estimates = [
+        Series(f"{prefix}{column}{suffix}", values.attrs["units"], values.values)
+        for name, prefix in prefixes.items()
+        for column, suffix, values in _columns(dataset, name)
+    ]
     write_csv(table, [time, position, *forces, *estimates])
     for name, path in zip(observers, of_observers, strict=False):
-        columns = [Series(OPENSIM[s.name], s.unit, s.values) for s in (*forces, *_plain(dataset, name))]
+        columns = [Series(OPENSIM[force.name], force.unit, force.values) for force in forces]
+        columns += [
+            Series(OPENSIM[column] + suffix.removeprefix(_HAT), values.attrs["units"], values.values)
+            for column, suffix, values in _columns(dataset, name)
+        ]
         write_sto(path, _TITLE.format(observer=name, source=dataset.attrs["source"]), [time, *columns])
     if scores:
         write_whole(of_observers[-1], scores_csv(scores).encode())
@@ -58,21 +75,16 @@ def refuse_replacing(folder: Path, paths: Sequence[Path]) -> None:
 
 def _leftovers(folder: Path, written: Sequence[Path]) -> list[Path]:
     """What would pass for a part of the new result if an earlier run has written it."""
-    return [path for path in (*sorted(folder.glob("estimates*.sto")), folder / _SCORES) if path not in written]
+    candidates = [*sorted(folder.glob("estimates*.sto")), folder / _SCORES, report_path(folder)]
+    return [path for path in candidates if path not in written]
 
 
-def _series(dataset: xr.Dataset, observer: str, prefix: str) -> Iterator[Series]:
-    for series in _plain(dataset, observer):
-        yield Series(f"{prefix}{series.name}_hat", series.unit, series.values)
-
-
-def _plain(dataset: xr.Dataset, observer: str) -> Iterator[Series]:
-    """The estimates by the names that columns of a recording have."""
+def _columns(dataset: xr.Dataset, observer: str) -> Iterator[tuple[str, str, xr.DataArray]]:
+    """The estimates by the names that columns of a recording have, then their standard deviations, if known."""
     of = dataset.sel(observer=observer)
-    for name in ESTIMATED:
-        estimate = of[f"{name}_hat"]
-        parts = {name: estimate}
-        if "muscle" in estimate.dims:
-            parts = {f"{name}_{j}": estimate.sel(muscle=j) for j in (1, 2)}
-        for column, values in parts.items():
-            yield Series(column, values.attrs["units"], values.values)
+    for suffix, name in itertools.product((_HAT, *_DEVIATIONS), ESTIMATED):
+        if suffix in _DEVIATIONS and (name + suffix not in of or of[name + suffix].isnull().all()):
+            continue
+        values = of[name + suffix]
+        parts = {f"{name}_{j}": values.sel(muscle=j) for j in (1, 2)} if "muscle" in values.dims else {name: values}
+        yield from ((column, suffix, part) for column, part in parts.items())

@@ -17,6 +17,7 @@ from ..files.progress import Progress
 from ..kalman.orders import Choice, manifest
 from ..kalman.record import Record, refuse_short
 from ..kalman.run import ACTIVATIONS, How, Passed, passed
+from ..kalman.tendons import about_estimates
 from .case import Case, Result
 
 
@@ -29,10 +30,7 @@ def fitted_result(case: Case, block: Block, numbers: Mapping[str, float], progre
         for owner, _, name in [path.partition(".")]
         if owner == block.name
     }
-    record = Record(
-        case.tau, case.y, case.z, case.slopes, ~case.gaps, numbers, case.sizes, case.period, case.pair.curves
-    )
-    found = passed(record, _how(case), by_hand, case.settings.keep_every, progress)
+    found = passed(record_of(case, numbers), _how(case), by_hand, case.settings.keep_every, progress)
     y = {name: found.outputs[name] for name in block.y}
     failure = _failure(case, block, numbers, y)
     guards = {name: found.outputs[name] for name in block.guards if name in found.outputs}
@@ -42,6 +40,13 @@ def fitted_result(case: Case, block: Block, numbers: Mapping[str, float], progre
             values[late] = np.nan
     gains = {f"{block.name}.{name}": value for name, value in _chosen(found).fit.numbers.items() if name in _SHOWN}
     return Result(y, guards, gains, 1, [], failure, _told(found))
+
+
+def record_of(case: Case, numbers: Mapping[str, float]) -> Record:
+    """A recording as the filter's passes take it; numbers: values of the filter's parameters by name."""
+    return about_estimates(
+        Record(case.tau, case.y, case.z, case.slopes, ~case.gaps, numbers, case.sizes, case.period, case.pair.curves)
+    )
 
 
 # numbers of the models that are found, or asked for; the others are the muscles', or start the filter

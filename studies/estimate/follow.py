@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,11 +15,9 @@ from ...model.arrays import Array
 from ...model.block import Block, Symbols, symbols
 from ...model.curves import Curves
 from ...model.symbols import MEASURED
-from ...observers import OBSERVERS, Observer, estimator
+from ...observers import Observer, estimator_of
 from ...observers.slopes import tendon_slopes
 from ...observers.tendons import LENGTHS, tendons, tendons_of_a_step
-from ..files.errors import ScenarioError
-from ..files.quote import shown
 
 # samples between two words of progress
 _CHUNK = 65_536
@@ -28,42 +26,17 @@ _JITTER = 0.05
 _LENGTHS = "lengths"
 
 
-def observers_named(names: Sequence[str | Block]) -> dict[str, Observer]:
-    """Registered observers and a user's own Blocks, by name. ScenarioError for one that cannot follow a recording."""
-    chosen: dict[str, Observer] = {}
-    for observer in names:
-        if isinstance(observer, Block):
-            custom = _custom(observer)
-            if chosen.setdefault(observer.name, custom) is not custom:
-                raise ScenarioError(f"two observers are called {observer.name!r}; give one another name")
-        elif observer in OBSERVERS:
-            chosen[observer] = OBSERVERS[observer]
-        else:
-            raise ScenarioError(f"unknown observer {shown(observer)}; there are {', '.join(OBSERVERS)}")
-    return chosen
-
-
-# the same Observer for the same Block, since the compiled bank is remembered by it
-@functools.lru_cache(maxsize=64)
-def _custom(block: Block) -> Observer:
-    if block.name in OBSERVERS:
-        raise ScenarioError(f"the name {block.name!r} is taken; give your observer another one")
-    if block.per_step:
-        raise ScenarioError(f"{block.name} moves at the points of a time grid, and a recording has none")
-    return Observer(block.name, lambda: block)
-
-
 @functools.lru_cache(maxsize=8)
 def follower_bank(curves: Curves, corrected: bool, observers: tuple[Observer, ...]) -> Bank:
     """All of these observers that follow samples one by one, and first one that only tells the tendons' state."""
-    blocks = [estimator(observer.block(corrected), curves) for observer in observers if not observer.fitted]
+    blocks = [estimator_of(observer, corrected, curves) for observer in observers if not observer.fitted]
     return Bank(MEASURED, tendons(curves), tendons_of_a_step(STAGES, curves), (_lengths(curves), *blocks))
 
 
 @functools.lru_cache(maxsize=8)
 def fitted_blocks(curves: Curves, corrected: bool, observers: tuple[Observer, ...]) -> tuple[Block, ...]:
     """The others, to which a recording is given as a whole."""
-    return tuple(estimator(observer.block(corrected), curves) for observer in observers if observer.fitted)
+    return tuple(estimator_of(observer, corrected, curves) for observer in observers if observer.fitted)
 
 
 @functools.lru_cache(maxsize=8)

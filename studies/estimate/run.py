@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -16,12 +16,13 @@ from ...codegen.filters import CompiledBank
 from ...model.arrays import Array
 from ...model.block import Block
 from ...model.symbols import MEASURED, hat
-from ...observers import OBSERVERS, PAPER, Observer
+from ...observers import OBSERVERS, Observer
 from ...observers.tendons import LENGTHS
 from ..files.errors import RecordingError, ScenarioError
 from ..files.numbers import number, switch, whole
 from ..files.progress import Progress, shares, unseen
 from ..files.quote import shown, table
+from ..kalman.record import Record
 from ..kalman.run import AUTO, FORMS, compile_passes
 from ..laboratory.gaps import bridged, refuse_impossible, refuse_long_steps
 from ..laboratory.muscles import MusclePair, read_muscles
@@ -29,13 +30,16 @@ from ..laboratory.recording import Recording, read_recording
 from ..laboratory.samples import MOST_NUMBERS
 from ..laboratory.scales import scales
 from ..scenarios.layers import Value
+from ..scenarios.observers import Observers, compiled_with, observers_named, own_among, refuse_taken
 from ..scenarios.paths import Paths, paths_of
 from ..scenarios.scenario import checked_number
+from .bands.doubt import doubts
+from .bands.muscle import compile_sensitivities
 from .case import Case, Result, Settings
 from .conditions import gain_conditions
 from .dataset import estimate_dataset
 from .first_pass import compile_first_pass, first_pass
-from .fitted import fitted_result
+from .fitted import fitted_result, record_of
 from .follow import (
     compiled_bank,
     fitted_blocks,
@@ -43,16 +47,15 @@ from .follow import (
     follower_bank,
     lengths_block,
     measured_tendons,
-    observers_named,
 )
 from .substeps import substeps
 
 # periods of the muscles' own time 1/v_max between samples beyond which nothing can be followed
 _LONGEST_PERIOD = 0.7
-# estimates of a sample; 100 million numbers are 1 GB
-_NUMBERS, _MOST_NUMBERS = 20, 100_000_000
+# estimates of a sample with their standard deviations; 250 million numbers are 2 GB
+_NUMBERS, _MOST_NUMBERS = 50, 250_000_000
 
-Observers = Sequence[str | Block] | str | Block | None
+KALMAN = "kalman"
 
 
 def estimate(
@@ -67,6 +70,8 @@ def estimate(
     form: str = AUTO,
     smooth: bool = False,
     lag: float = 0.0,
+    doubt: Mapping[str, float | str] | None = None,
+    usual_doubt: bool = True,
 ) -> xr.Dataset:
     """Follow a recording with observers and return velocities, lengths, activations and disturbance in SI.
 
@@ -79,16 +84,18 @@ def estimate(
     The rest concerns the Kalman filter. form: what its chains of integrators are, inputs "u" or activations "a", or
     "auto": what the recording is likelier for. smooth: estimates know all samples. lag: s that they may be late, to
     know the samples until then; by default they know no later sample.
+    doubt: how far numbers may be off, such as {"optimal_fibre_length": "3%", "muscle1.F_max": 50, "force_bias": "5N"};
+    beside these count those of the muscle file and the usual ones, docs/observers.md#bands, unless not usual_doubt.
     The Dataset has the dimensions time, observer, muscle. RecordingError, ScenarioError for what is wrong with the
     files, BuildError if nothing can be compiled.
     """
-    chosen = _chosen(observers)
+    chosen = observers_named(observers)
     pair = muscles if isinstance(muscles, MusclePair) else read_muscles(muscles)
     bank, whole = _bank(pair, switch("corrected", corrected), chosen), _whole(pair, corrected, chosen)
-    _refuse_taken(chosen, bank)
     paths = paths_of([*bank.observers, *whole])
     settings = _settings(corrected, changes or {}, keep_every, paths, chosen)
     settings = replace(settings, **_smoothing(chosen, form, smooth, lag))
+    known = doubts(pair, {} if doubt is None else doubt, switch("usual_doubt", usual_doubt))
     if isinstance(recording, Recording):
         parts, read = shares(progress or unseen, [1] * len(chosen)), recording
     else:
@@ -96,7 +103,7 @@ def estimate(
         read = read_recording(recording, mapping, next(parts))
     _check_size(len(read), settings.keep_every, len(chosen))
     compiled = compiled_bank(bank)
-    case = _case(read, pair, compiled, paths, settings)
+    case = _case(read, pair, compiled, paths, settings, known)
     blocks = {block.name: block for block in (*bank.observers, *whole)}
     results = {
         name: (_pass if observer.fitted else _follow)(case, compiled, paths, blocks[name], observer, next(parts))
@@ -108,24 +115,35 @@ def estimate(
 def compile_observers(muscles: MusclePair, observers: Observers = None, corrected: bool = True) -> None:
     """Compile what `estimate` needs for these, or load it from the cache: once, and then estimates begin at once."""
     compile_first_pass()
-    chosen = _chosen(observers)
+    compile_sensitivities(muscles.curves)
+    chosen = observers_named(observers)
     compiled_bank(_bank(muscles, corrected, chosen))
     if any(observer.fitted for observer in chosen.values()):
         compile_passes(muscles.curves)
 
 
-def _chosen(observers: Observers) -> dict[str, Observer]:
-    return observers_named([observers] if isinstance(observers, str | Block) else observers or PAPER)
+def recorded(read: Recording, pair: MusclePair) -> tuple[Case, Record]:
+    """A recording with its muscles, and as the Kalman filter takes it. RecordingError for what no muscle can do."""
+    chosen = observers_named(KALMAN)
+    bank, (block,) = _bank(pair, True, chosen), _whole(pair, True, chosen)
+    paths = paths_of([*bank.observers, block])
+    case = _case(read, pair, compiled_bank(bank), paths, Settings(True, {}, 1), {})
+    return case, record_of(case, _numbers(case, paths, block))
 
 
 def _bank(pair: MusclePair, corrected: bool, chosen: Mapping[str, Observer]) -> Bank:
-    """All registered observers, so that one library has any choice of them, and a user's own."""
-    return follower_bank(pair.curves, corrected, tuple({**OBSERVERS, **chosen}.values()))
+    bank = follower_bank(pair.curves, corrected, compiled_with(chosen))
+    own = own_among(chosen)
+    refuse_taken(own, {lengths_block(bank).name})
+    for name, observer in own.items():
+        if observer.build().per_step:
+            raise ScenarioError(f"{name} moves at the points of a time grid, and a recording has none")
+    return bank
 
 
 def _whole(pair: MusclePair, corrected: bool, chosen: Mapping[str, Observer]) -> tuple[Block, ...]:
     """Those that a recording is given to as a whole."""
-    return fitted_blocks(pair.curves, corrected, tuple({**OBSERVERS, **chosen}.values()))
+    return fitted_blocks(pair.curves, corrected, compiled_with(chosen))
 
 
 def _smoothing(chosen: Mapping[str, Observer], form: str, smooth: bool, lag: float) -> dict[str, Any]:
@@ -141,16 +159,6 @@ def _smoothing(chosen: Mapping[str, Observer], form: str, smooth: bool, lag: flo
         able = ", ".join(name for name, observer in OBSERVERS.items() if observer.fitted)
         raise ScenarioError(f"form, smooth and lag are for {able}, which is not among the observers asked for")
     return {"form": form, "smooth": smooth, "lag": lag}
-
-
-def _refuse_taken(chosen: Mapping[str, Observer], bank: Bank) -> None:
-    """ScenarioError if a user's own observer has a name that paths or other Blocks have."""
-    names = [block.name for block in bank.exported]
-    others = [block for block in bank.observers if block.name in OBSERVERS]
-    shared = {parameter.shared.partition(".")[0] for block in others for parameter in block.parameters.values()}
-    for name in chosen:
-        if name not in OBSERVERS and (name in shared or names.count(name) > 1):
-            raise ScenarioError(f"the name {name!r} is taken; give your observer another one")
 
 
 def _settings(
@@ -177,7 +185,14 @@ def _check_size(samples: int, keep_every: int, observers: int) -> None:
         )
 
 
-def _case(read: Recording, pair: MusclePair, compiled: CompiledBank, paths: Paths, settings: Settings) -> Case:
+def _case(
+    read: Recording,
+    pair: MusclePair,
+    compiled: CompiledBank,
+    paths: Paths,
+    settings: Settings,
+    doubt: Mapping[str, float],
+) -> Case:
     if len(read) < 2:
         raise RecordingError(f"{read.source}: has one row of numbers; observers need two or more")
     refuse_impossible(read, pair)
@@ -194,14 +209,18 @@ def _case(read: Recording, pair: MusclePair, compiled: CompiledBank, paths: Path
     refuse_long_steps(read)
     z, slopes = measured_tendons(compiled, np.array(paths.values(lengths_block(compiled.bank), s.numbers)), y)
     sizes = first_pass(y.T, z.T, s.numbers["plant.m"], period)
-    return Case(read, pair, s, tau, y, z, slopes, gaps, sizes, settings)
+    return Case(read, pair, s, tau, y, z, slopes, gaps, sizes, settings, doubt)
 
 
 def _pass(
     case: Case, compiled: CompiledBank, paths: Paths, block: Block, observer: Observer, progress: Progress
 ) -> Result:
-    numbers = paths.values(block, {**case.scales.numbers, **case.settings.changes, **_start(case)})
-    return fitted_result(case, block, dict(zip(block.p, numbers, strict=True)), progress)
+    return fitted_result(case, block, _numbers(case, paths, block), progress)
+
+
+def _numbers(case: Case, paths: Paths, block: Block) -> dict[str, float]:
+    values = paths.values(block, {**case.scales.numbers, **case.settings.changes, **_start(case)})
+    return dict(zip(block.p, values, strict=True))
 
 
 def _follow(

@@ -11,6 +11,7 @@ from ..files.datasets.schema import FLOATS, TEXTS, WHOLES, Schema, read_json, ri
 from ..files.errors import ResultError
 from ..laboratory.muscles import muscle_pair
 from .dataset import PER_MUSCLE, TRUE
+from .scores import ESTIMATED
 
 _TIME, _ALONE = ("time",), ("observer", "time")
 _BOTH = (*_ALONE, "muscle")
@@ -34,10 +35,18 @@ ESTIMATES = Schema(
         "bridged": (_TIME, WHOLES),
         "muscle_file": ((), TEXTS),
     },
-    optional={f"true_{name}": ((*_TIME, "muscle") if name in PER_MUSCLE else _TIME, FLOATS) for name in TRUE},
+    optional={
+        **{f"true_{name}": ((*_TIME, "muscle") if name in PER_MUSCLE else _TIME, FLOATS) for name in TRUE},
+        **{
+            f"{name}_sd{part}": (_BOTH if name in PER_MUSCLE else _ALONE, FLOATS)
+            for name in ESTIMATED
+            for part in ("", "_state", "_muscle")
+        },
+    },
     labels={"muscle": (1, 2), "observer": None},
     attributes={
         "source": str,
+        "doubt": dict[str, float],
         "settings": {
             "mapping": dict[str, str],
             "corrected": bool,
@@ -65,7 +74,9 @@ def arguments(dataset: xr.Dataset) -> dict[str, Any]:
 
     ResultError or ScenarioError if the Dataset has no estimates, or muscles that are none.
     """
-    settings = ESTIMATES.check(dataset)["settings"]
+    attributes = ESTIMATES.check(dataset)
     # a result holds the points of a user's curves, and names no file of them
     muscles = muscle_pair(read_json("muscle_file", str(dataset.muscle_file.values), dict), None)
-    return {"muscles": muscles, "observers": dataset.observer.values.tolist(), **settings}
+    # all that was in doubt, whatever is usual by now
+    doubt = {"doubt": attributes["doubt"], "usual_doubt": False}
+    return {"muscles": muscles, "observers": dataset.observer.values.tolist(), **attributes["settings"], **doubt}

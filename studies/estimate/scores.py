@@ -14,6 +14,8 @@ from ..files.tables import csv_text
 
 # seconds from the first sample on in which observers settle
 SETTLED = 1.0
+# standard deviations to either side that hold 95 % of a normal distribution
+WITHIN_95 = 1.96
 # what observers estimate of a recording, scored where the truth is known
 ESTIMATED = ("position", "velocity", "disturbance", "tendon_length", "fibre_length", "fibre_velocity", "activation")
 BOTH = "both"

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 import xarray as xr
@@ -13,13 +12,15 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.ticker import MaxNLocator
 
 from ...model.arrays import Array
 from ...observers import label
-from ..estimate.scores import SETTLED
+from ..estimate.scores import SETTLED, WITHIN_95
+from ..files.quote import drawn
 from . import style
-from .page import above, settings, write_figures
-from .traces import traces, with_margin
+from .page import above, settings
+from .traces import line, with_margin
 
 # what the figure is called
 SHEET = "sheet"
@@ -27,10 +28,24 @@ SHEET = "sheet"
 _MOST_POINTS = 4000
 # inches: a panel, and one that is looked at most
 _ROW, _TALL = 0.85, 1.3
+# inches: position and forces
+_HEIGHTS = (_ROW, _ROW)
 # of the range of the values, above and below them
 _MARGIN = 0.08
-# two noisy lines in one panel
-_MEASURED: style.Style = {"linestyle": "-", "linewidth": 0.6}
+# observers side by side; further ones stand below, as evenly as can be
+_MOST_COLUMNS = 4
+# observers have colours, what was measured has none
+_POSITION: style.Style = {"color": "0.25", "linewidth": 0.8}
+_FORCES: Mapping[int, style.Style] = {
+    1: {"color": "0.25", "linewidth": 0.6},
+    2: {"color": "0.65", "linewidth": 0.6},
+}
+# a scale of its own for an observer with values so many times as large as the usual one has
+_HIDES = 8.0
+# along a panel
+_NUMBERS = 5
+# deviations that are drawn: the first that an observer tells, with noise or without
+_DEVIATIONS = ("_sd", "_sd_muscle")
 
 
 @dataclass(frozen=True)
@@ -65,61 +80,112 @@ _PANELS = (
 
 
 def estimate_sheet(dataset: xr.Dataset) -> Figure:
-    """Position and forces; estimates of each observer beside the truth, if it is known; errors and innovations."""
+    """Position and forces, and below them for each observer a column of panels, beside the truth if it is known.
+
+    In one panel observers that are all right would lie on each other, noise on noise. A row has one scale, unless one
+    observer would hide the others. The same estimates give the same bytes.
+    """
     thin = dataset.isel(time=slice(None, None, -(-dataset.sizes["time"] // _MOST_POINTS)))
     if "true_activation" in thin:
         thin = thin.assign(activation_error=thin.activation_hat - thin.true_activation)
     shown = [panel for panel in _PANELS if panel.variable in thin]
-    looks = style.observer_styles(thin.observer.values.tolist())
-    heights = [_ROW, _ROW, *(panel.height for panel in shown)]
+    observers = thin.observer.values.tolist()
+    tiers = -(-len(observers) // _MOST_COLUMNS)
+    columns = -(-len(observers) // tiers)
+    heights = [*_HEIGHTS, *[panel.height for panel in shown] * tiers]
     with settings():
         figure = Figure(figsize=(style.PAGE, sum(heights)), layout="constrained")
-        axes = list(figure.subplots(len(heights), 1, sharex=True, height_ratios=heights))
-        axes[-1].set_xlabel("time, s")
-        axes[-1].set_xlim(float(thin.time[0]), float(thin.time[-1]) if thin.sizes["time"] > 1 else None)
-        _measured(axes[0], axes[1], thin)
-        bands = [_draw(one, thin, panel, looks) for one, panel in zip(axes[2:], shown, strict=True)]
-        _mark(axes, thin)
-        figure.align_ylabels(axes)
-        handles: list[Artist] = [Line2D([], [], label=label(name), **look) for name, look in looks.items()]
+        grid = figure.add_gridspec(len(heights), columns, height_ratios=heights)
+        upper, lower = (figure.add_subplot(grid[row, :]) for row in range(len(_HEIGHTS)))
+        _measured(upper, lower, thin)
+        limits = [_limits(thin, panel) for panel in shown]
+        for place, (name, look) in enumerate(style.observer_colours(observers).items()):
+            tier, column = divmod(place, columns)
+            left = observers[place - 1] if column else ""
+            for row, (panel, scale) in enumerate(zip(shown, limits, strict=True)):
+                axes = figure.add_subplot(grid[len(_HEIGHTS) + tier * len(shown) + row, column])
+                axes.set_ylim(scale[name])
+                _shade(axes, thin, panel, name, look)
+                _draw(axes, thin, panel, name, look)
+                if row == 0:
+                    axes.set_title(drawn(label(name)), color=look["color"])
+                # words and numbers once for a row and for a column
+                if not left:
+                    axes.set_ylabel(panel.words)
+                axes.tick_params(labelleft=scale.get(left) != scale[name], labelbottom=row == len(shown) - 1)
+            axes.set_xlabel("time, s")
+        for axes in figure.axes:
+            _set_time(axes, thin)
+        figure.align_ylabels([axes for axes in figure.axes if axes.get_ylabel()])
+        handles: list[Artist] = []
         if any(panel.true in thin for panel in shown):
             handles.append(Line2D([], [], label="true", **style.TRUE))
-        if any(bands):
-            handles.append(Patch(**style.BAND))
-        above(figure, handles)
+        if parts := {name: part for panel in shown for name in observers if (part := _told(thin, panel, name))}:
+            noiseless = ", ".join(label(name) for name, part in parts.items() if part != _DEVIATIONS[0])
+            words = "95 %" + (f", without noise for {drawn(noiseless)}" if noiseless else "")
+            handles.append(Patch(label=words, **style.sure({"color": "0.3"})))
+        if handles:
+            above(figure, handles)
     return figure
 
 
-def save_sheet(dataset: xr.Dataset, folder: str | Path, stem: str) -> list[Path]:
-    """Write the sheet as `STEM-sheet.png` and `.pdf`; the same estimates give the same bytes."""
-    return write_figures({SHEET: estimate_sheet(dataset)}, folder, stem)
-
-
 def _measured(upper: Axes, lower: Axes, thin: xr.Dataset) -> None:
-    upper.plot(thin.time.values, thin.position.values * 1e3, color="black", linewidth=0.8)
+    upper.plot(thin.time.values, thin.position.values * 1e3, **_POSITION)
     upper.set_ylabel("position\nmm")
-    for j, look in zip((1, 2), style.lines(["1", "2"]).values(), strict=True):
-        lower.plot(thin.time.values, thin.force.sel(muscle=j).values, **{**look, **_MEASURED}, label=f"tendon {j}")
+    upper.tick_params(labelbottom=False)
+    for j, look in _FORCES.items():
+        lower.plot(thin.time.values, thin.force.sel(muscle=j).values, **look, label=f"tendon {j}")
     lower.set_ylabel("force\nN")
     # above its panel, not over the data
     lower.legend(loc="lower right", bbox_to_anchor=(1, 0.95), ncols=2, borderaxespad=0, labelspacing=0)
 
 
-def _draw(axes: Axes, thin: xr.Dataset, panel: Panel, looks: Mapping[str, style.Style]) -> bool:
-    """One panel, with the truth if it is known; whether noise is drawn as bands."""
-
-    def of(variable: str) -> xr.DataArray:
-        array = thin[variable] * panel.factor
-        return array.sel(muscle=panel.muscle) if panel.muscle else array
-
-    axes.set_ylabel(panel.words)
-    time, estimates = thin.time.values, of(panel.variable)
-    values = [_settled(estimates).ravel()]
+def _draw(axes: Axes, thin: xr.Dataset, panel: Panel, observer: str, look: style.Style) -> None:
+    """What one panel shows of one observer, with the truth if it is known."""
+    time = thin.time.values
+    line(axes, time, _of(thin, panel, panel.variable).sel(observer=observer), look, observer)
     if panel.true in thin:
-        values.append(_settled(of(panel.true)))
-        axes.plot(time, of(panel.true).values, **style.TRUE)
-    axes.set_ylim(panel.limits or with_margin(np.concatenate(values), _MARGIN))
-    return traces(axes, time, {name: estimates.sel(observer=name).values for name in looks}, looks)
+        axes.plot(time, _of(thin, panel, panel.true), **style.TRUE)
+
+
+def _of(thin: xr.Dataset, panel: Panel, variable: str) -> xr.DataArray:
+    """A variable of the Dataset as the panel shows it."""
+    array = thin[variable] * panel.factor
+    return array.sel(muscle=panel.muscle) if panel.muscle else array
+
+
+def _limits(thin: xr.Dataset, panel: Panel) -> dict[str, tuple[float, float]]:
+    """Limits for each observer: those that fit all which do not fail, or its own for one that would hide the others."""
+    names = thin.observer.values.tolist()
+    if panel.limits:
+        return dict.fromkeys(names, panel.limits)
+    estimates = _of(thin, panel, panel.variable)
+    true = [_settled(_of(thin, panel, panel.true))] if panel.true in thin else []
+    values = {name: np.concatenate([_settled(estimates.sel(observer=name)), *true]) for name in names}
+    # what fails ends without bounds
+    whole = [name for name in names if estimates.sel(observer=name).notnull().all()] or names
+    sizes = {name: np.abs(values[name]).max(initial=0.0) for name in whole}
+    usual = sorted(sizes.values())[(len(sizes) - 1) // 2]
+    together = [name for name in whole if sizes[name] <= _HIDES * usual]
+    common = with_margin(np.concatenate([values[name] for name in together]), _MARGIN)
+    apart = {name: with_margin(values[name], _MARGIN) for name in whole if name not in together}
+    return {**dict.fromkeys(names, common), **apart}
+
+
+def _told(thin: xr.Dataset, panel: Panel, observer: str) -> str:
+    """Which of the deviations an observer tells of what a panel shows, or an empty text."""
+    names = {part: panel.variable.removesuffix("_hat") + part for part in _DEVIATIONS}
+    known = (p for p, name in names.items() if name in thin and thin[name].sel(observer=observer).notnull().any())
+    return next(known, "")
+
+
+def _shade(axes: Axes, thin: xr.Dataset, panel: Panel, observer: str, look: style.Style) -> None:
+    """Where, with 95 %, what an observer estimates is, if it tells that."""
+    if part := _told(thin, panel, observer):
+        name = panel.variable.removesuffix("_hat") + part
+        middle, deviation = (_of(thin, panel, of).sel(observer=observer).values for of in (panel.variable, name))
+        width = WITHIN_95 * deviation
+        axes.fill_between(thin.time.values, middle - width, middle + width, label="95 %", **style.sure(look))
 
 
 def _settled(array: xr.DataArray) -> Array:
@@ -129,9 +195,11 @@ def _settled(array: xr.DataArray) -> Array:
     return values[np.isfinite(values)]
 
 
-def _mark(axes: Sequence[Axes], thin: xr.Dataset) -> None:
-    """Slack tendons and bridged gaps as grey bands."""
+def _set_time(axes: Axes, thin: xr.Dataset) -> None:
+    """The time of the recording, slack tendons and bridged gaps in it as grey bands."""
+    time = thin.time.values
+    axes.set_xlim(time[0], time[-1] if len(time) > 1 else None)
+    axes.xaxis.set_major_locator(MaxNLocator(_NUMBERS, steps=[1, 2, 5, 10]))
     grey = (thin.slack.values > 0).any(axis=1) | (thin.bridged.values > 0)
     if grey.any():
-        for panel in axes:
-            panel.fill_between(thin.time.values, 0, 1, where=grey, transform=panel.get_xaxis_transform(), **style.SLACK)
+        axes.fill_between(time, 0, 1, where=grey, transform=axes.get_xaxis_transform(), **style.SLACK)

@@ -49,9 +49,14 @@ def write_figures(drawn: Mapping[str, Figure], folder: str | Path, stem: str) ->
     paths = figure_paths(folder, stem, drawn)
     refuse_overwriting(paths)
     for path, (figure, kind) in zip(paths, itertools.product(drawn.values(), _UNDATED), strict=True):
-        content = io.BytesIO()
-        with settings():
-            figure.savefig(content, format=kind, metadata=_UNDATED[kind])
-        figure.set_layout_engine("none")  # found once, it also holds for the second file
-        write_whole(path, content.getvalue())
+        write_whole(path, content(figure, kind))
     return paths
+
+
+def content(figure: Figure, kind: str) -> bytes:
+    """A figure as the bytes of a file, "png" or "pdf", without a date."""
+    file = io.BytesIO()
+    with settings():
+        figure.savefig(file, format=kind, metadata=_UNDATED[kind])
+    figure.set_layout_engine("none")  # found once, it also holds for the next file
+    return file.getvalue()

@@ -23,6 +23,8 @@ INFEASIBLE: Style = {"facecolor": "none", "edgecolor": "0.6", "hatch": "////", "
 _WIDTH = 1.1
 # an observer alone needs no dashes, and noise no width
 _ALONE: Style = {"linestyle": "-", "linewidth": 0.8}
+# a line in a panel that is a part of a page's width
+_NARROW = 0.5
 # Okabe and Ito's colours, then two of Tol's; dashes keep them apart in grey too, and where lines coincide the gaps show
 # those below
 _OBSERVERS: tuple[Style, ...] = tuple(
@@ -79,6 +81,12 @@ def observer_styles(names: Sequence[str]) -> dict[str, Style]:
     return {name: {**_OBSERVERS[known.index(name) % len(_OBSERVERS)], **alone} for name in names}
 
 
+def observer_colours(names: Sequence[str]) -> dict[str, Style]:
+    """The same colours for panels in which each observer is alone: no dashes, and thin where panels are narrow."""
+    narrow = {"linewidth": _NARROW} if len(names) > 1 else {}
+    return {name: {**look, **_ALONE, **narrow} for name, look in observer_styles(names).items()}
+
+
 def lines(names: Sequence[str]) -> dict[str, Style]:
     """A line for each of several things that are no observers."""
     return {name: _OBSERVERS[i % len(_OBSERVERS)] for i, name in enumerate(names)}
@@ -88,3 +96,8 @@ def band(style: Style) -> Style:
     """The line as the outline of a band, translucent inside."""
     about = {key: style[key] for key in ("linestyle", "linewidth", "zorder")}
     return {**about, "facecolor": (style["color"], _TINT), "edgecolor": style["color"]}
+
+
+def sure(style: Style) -> Style:
+    """Where an estimate may be, below all lines; without an outline, unlike noise."""
+    return {"facecolor": (style["color"], _TINT), "edgecolor": "none", "linewidth": 0, "zorder": 1}

@@ -9,7 +9,6 @@ import casadi as ca
 import numpy as np
 
 from ...codegen.library import compile_functions
-from ...codegen.lowering import as_written, lowered
 from ...model.arrays import Array
 from ...model.block import Block
 from ...model.curves import Curves
@@ -46,9 +45,5 @@ def compiled_muscles(curves: Curves) -> CompiledMuscles:
 
 
 def _function(block: Block) -> ca.Function:
-    inputs = [block.u.vector(), block.p.vector()]
-    with as_written():
-        (results,) = lowered(
-            [ca.vertcat(block.y.vector(), block.guards.vector())], ca.vertsplit(ca.vertcat(*inputs)), {}
-        )
-        return ca.Function(block.name, inputs, ca.cse([results]))
+    results = ca.densify(ca.vertcat(block.y.vector(), block.guards.vector()))
+    return ca.Function(block.name, [block.u.vector(), block.p.vector()], ca.cse([results]))

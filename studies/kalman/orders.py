@@ -79,13 +79,13 @@ def chosen_activations(record: Record, tables: Sequence[Array], first: Choice, b
         numbers = {**defaults, **_known(first.fit.numbers, parameters), **own, **_known(by_hand, parameters)}
         return fitted(passes, tables, numbers, free)
 
-    choice = _likeliest(fitting, [order_D], [_USUAL, *_OTHERS], _counted(tables))
+    choice = _likeliest(fitting, [order_D], _tried(by_hand, "order_a"), _counted(tables))
     # towards 0 the fixed point creeps, and log L hardly tells: it is asked for what the law leaves, or nothing
-    exact = {**choice.fit.numbers, **{name: smallest for name, smallest in free.items() if name in OF_LAW}}
-    without = fitted(passes, tables, exact, {name: smallest for name, smallest in free.items() if name not in OF_LAW})
-    passes_taken = choice.fit.passes + without.passes
+    others = {name: smallest for name, smallest in free.items() if name not in OF_LAW}
+    exact = {**choice.fit.numbers, **{name: free[name] for name in OF_LAW if name in free}}
+    without = fitted(passes, tables, exact, others)
     better = max((without, choice.fit), key=lambda fit: fit.log_likelihood)
-    return replace(choice, fit=replace(better, passes=passes_taken))
+    return replace(choice, fit=replace(better, passes=choice.fit.passes + without.passes))
 
 
 def manifest(choice: Choice) -> dict[str, Any]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -14,11 +14,9 @@ from ...observers.kalman.activations import ACTIVATIONS_MODEL
 from ...observers.kalman.inputs import INPUTS_MODEL
 from ...observers.kalman.parameters import resolved, slowest
 from ...observers.ports import ESTIMATES
-from ...observers.slopes import SLOPES
-from ...observers.tendons import LENGTHS
 from ..files.progress import Progress, shares
-from .muscles import ACTIVATION, LAW, SPREAD, TENDONS, CompiledMuscles, compiled_muscles
-from .orders import Choice, before_a_fit, chosen_activations, chosen_inputs
+from .muscles import ACTIVATION, LAW, SPREAD, CompiledMuscles, compiled_muscles
+from .orders import Choice, chosen_activations, chosen_inputs
 from .passes import CompiledPasses, compiled, row_names, table
 from .record import Record, segments, settled
 
@@ -65,7 +63,6 @@ def passed(record: Record, how: How, by_hand: Mapping[str, float], keep_every: i
     by_hand: numbers of the filter that are to stay as they are.
     """
     muscles, parts = compiled_muscles(record.curves), shares(progress, [_FIT, _FIT, _PASS, _PASS])
-    record = _about_estimates(record, muscles, by_hand)
     whole = record.table()
     fitted_to = [settled(whole[part]) for part in segments(len(record))]
     inputs = chosen_inputs(record, fitted_to, by_hand)
@@ -87,6 +84,23 @@ def passed(record: Record, how: How, by_hand: Mapping[str, float], keep_every: i
     return Passed(
         ACTIVATIONS, inputs, activations, _collected(told, _of_activations, keep_every, len(record), next(parts))
     )
+
+
+def causal_choices(record: Record, by_hand: Mapping[str, float]) -> tuple[Choice, Choice]:
+    """What `passed` finds in all samples of a recording, for causal estimates; by_hand: orders that are known."""
+    muscles, rows, about = compiled_muscles(record.curves), settled(record.table()), How()
+    inputs = chosen_inputs(record, [rows], by_hand)
+    linear = _linear(record, muscles, rows, _whole(record, inputs, rows, about))
+    of_second = {name: value for name, value in by_hand.items() if name == "order_a"}
+    return inputs, chosen_activations(record, [linear], inputs, of_second)
+
+
+def innovations(record: Record, inputs: Choice) -> Array:
+    """The innovations of the first pass over their standard deviations (n × 3), of the samples that count."""
+    passes, numbers, rows = compiled(INPUTS_MODEL), inputs.fit.numbers, settled(record.table())
+    filtered = passes.filtered(numbers, passes.start(numbers, rows[0]), rows, passes.motions(numbers, rows))
+    ratios: Array = (filtered.nu / np.sqrt(filtered.S))[rows[:, -1] > 0]
+    return ratios
 
 
 def compile_passes(curves: Curves) -> None:
@@ -129,15 +143,6 @@ def _ahead(record: Record, inputs: Choice) -> int:
     """Samples after which a smoother has nothing more to learn."""
     w = slowest(inputs.fit.numbers, resolved(record.sizes, record.T).sigma_L, record.T)
     return min(math.ceil(_AHEAD / (w * record.T)), _PIECE)
-
-
-def _about_estimates(record: Record, muscles: CompiledMuscles, by_hand: Mapping[str, float]) -> Record:
-    """The record with its tendons linear about what a filter makes of it."""
-    told = over(compiled(INPUTS_MODEL), before_a_fit(record, by_hand), record.table(), How(lag=0), 0)
-    estimates = dict(zip(ESTIMATES, np.concatenate([rows[:, : len(ESTIMATES)] for rows in told]).T, strict=True))
-    lines = muscles.outputs(TENDONS, record.numbers, {**estimates, "y2": record.y[:, 1], "y3": record.y[:, 2]})
-    z, slopes = (np.stack([lines[name] for name in names], axis=1) for names in (LENGTHS, SLOPES))
-    return replace(record, z=z, slopes=slopes)
 
 
 def _whole(record: Record, inputs: Choice, rows: Array, how: How) -> Array:

@@ -6,7 +6,7 @@ import difflib
 import itertools
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from ...model.block import Parameter
@@ -17,6 +17,7 @@ from ..files.numbers import within
 from ..files.quote import short, shown, table, text
 from ..files.toml import read_toml
 from .curves import SUFFIX, read_curves, tabulated_curves
+from .deviations import deviation
 
 _FILE = "muscle file"
 # No default: a pair is not known without them. The ranges reach decades beyond the smallest muscles of a mouse and the
@@ -44,13 +45,21 @@ SIZES: Mapping[str, Parameter] = {
 }
 _BOTH = "muscle"
 # what a curve set calls the sizes, in those of muscle 1; they follow from the file
-SCALED = ("L_slack", "F_max", "l_opt", "v_max")
+SCALED: Mapping[str, str] = {
+    "F_max": "F_max",
+    "optimal_fibre_length": "l_opt",
+    "tendon_slack_length": "L_slack",
+    "v_max": "v_max",
+}
+# a number with its standard deviation, as a file has it
+_VALUE, _SD = "value", "sd"
 
 
 @dataclass(frozen=True)
 class Muscle:
     """F_max N, lengths m, v_max in own optimal fibre lengths per second; `numbers` are those of the curve set.
 
+    sds: standard deviations of numbers that are known only so well, in their units.
     ScenarioError for what is no number, or beyond the ranges of docs/recordings.md.
     """
 
@@ -60,27 +69,39 @@ class Muscle:
     tendon_slack_length: float
     v_max: float
     numbers: Mapping[str, float]
+    sds: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if not isinstance(self.curves, CurveSet):
             raise ScenarioError(f"curves must be those of a muscle file, not {shown(self.curves)}")
-        given, known = table("numbers", self.numbers), _numbers_of(self.curves)
+        given, known = table("numbers", self.numbers), numbers_of(self.curves)
         if sorted(given) != sorted(known):
             raise ScenarioError(f"numbers must be {', '.join(known)}, not {', '.join(map(shown, given))}")
         for key, parameter in SIZES.items():
             object.__setattr__(self, key, within(key, getattr(self, key), parameter))
         object.__setattr__(self, "numbers", {key: within(key, given[key], known[key]) for key in known})
+        values = {**{key: getattr(self, key) for key in SIZES}, **self.numbers}
+        object.__setattr__(self, "sds", _deviations(self.sds, values, {**SIZES, **known}))
+
+    @property
+    def sizes(self) -> dict[str, float]:
+        """F_max and so on by the names that curve sets have, in SI."""
+        return {name: getattr(self, key) for key, name in SCALED.items()}
 
 
 @dataclass(frozen=True)
 class MusclePair:
-    """mass kg and C m of the pair; muscle 1 pulls the mass towards position 0, muscle 2 towards C."""
+    """mass kg and C m of the pair; muscle 1 pulls the mass towards position 0, muscle 2 towards C.
+
+    sds: as those of a Muscle.
+    """
 
     mass: float
     C: float
     muscle1: Muscle
     muscle2: Muscle
     description: str = ""
+    sds: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         for key, parameter in PAIR.items():
@@ -94,6 +115,8 @@ class MusclePair:
             raise ScenarioError(
                 f"C = {self.C:g} must be above both tendon slack lengths together, {slack:g}: fibres need room"
             )
+        values = {key: getattr(self, key) for key in PAIR}
+        object.__setattr__(self, "sds", _deviations(self.sds, values, PAIR))
 
     @property
     def curves(self) -> Curves:
@@ -127,28 +150,43 @@ def muscle_pair(content: Mapping[str, object], folder: Path | None = Path()) -> 
         for name in MUSCLES
     }
     curves = {name: _curves(name, given[name], folder) for name in MUSCLES}
-    keys = {name: ["curves", *SIZES, *_numbers_of(curves[name])] for name in MUSCLES}
+    keys = {name: ["curves", *SIZES, *numbers_of(curves[name])] for name in MUSCLES}
     for place, known in {**keys, _BOTH: list(dict.fromkeys(itertools.chain(*keys.values())))}.items():
         _refuse_unknown(sections[place], known, f"{place}.")
     missing = [key for key in PAIR if key not in content]
     missing += [f"{name}.{key}" for name in MUSCLES for key in SIZES if key not in given[name]]
     if missing:
         raise ScenarioError(f"{', '.join(missing)} {'is' if len(missing) == 1 else 'are'} missing")
-    mass, C = (within(key, content[key], parameter) for key, parameter in PAIR.items())
+    of_pair, sds = _numbers({key: (content[key], key) for key in PAIR}, PAIR)
     muscle1, muscle2 = (_muscle(curves[name], given[name]) for name in MUSCLES)
-    return MusclePair(mass, C, muscle1, muscle2, text("description", content.get("description", "")))
+    description = text("description", content.get("description", ""))
+    return MusclePair(**of_pair, muscle1=muscle1, muscle2=muscle2, description=description, sds=sds)
 
 
 def muscle_file(pair: MusclePair) -> dict[str, object]:
     """The pair as a muscle file, from which `muscle_pair` makes it again, number by number."""
     sections: dict[str, object] = {name: _content(getattr(pair, name)) for name in MUSCLES}
-    return {"description": pair.description, **{key: getattr(pair, key) for key in PAIR}, **sections}
+    values = {key: getattr(pair, key) for key in PAIR}
+    return {"description": pair.description, **_with_sds(values, pair.sds), **sections}
 
 
 def _content(muscle: Muscle) -> dict[str, object]:
     curves = muscle.curves
     tables = {name: [list(point) for point in points] for name, points in (curves.tables or {}).items()}
-    return {"curves": tables or curves.name, **{key: getattr(muscle, key) for key in SIZES}, **muscle.numbers}
+    values = {**{key: getattr(muscle, key) for key in SIZES}, **muscle.numbers}
+    return {"curves": tables or curves.name, **_with_sds(values, muscle.sds)}
+
+
+def _with_sds(values: Mapping[str, float], sds: Mapping[str, float]) -> dict[str, object]:
+    return {key: {_VALUE: value, _SD: sds[key]} if key in sds else value for key, value in values.items()}
+
+
+def _deviations(given: object, values: Mapping[str, float], known: Mapping[str, Parameter]) -> dict[str, float]:
+    """The standard deviations of some `values`, checked."""
+    sds = table("sds", given)
+    if odd := [key for key in sds if key not in known]:
+        raise ScenarioError(f"sds must be of {', '.join(known)}, not of {shown(odd[0])}")
+    return {key: deviation(key, sd, values[key], known[key].unit) for key, sd in sds.items()}
 
 
 def _section(content: Mapping[str, object], name: str) -> dict[str, object]:
@@ -185,21 +223,32 @@ def _curves(muscle: str, given: Mapping[str, tuple[object, str]], folder: Path |
     return CURVES[value]
 
 
-def _numbers_of(curves: CurveSet) -> dict[str, Parameter]:
+def numbers_of(curves: CurveSet) -> dict[str, Parameter]:
     """What a curve set has beside the sizes; it may be left out."""
-    return {key: parameter for key, parameter in curves.parameters.items() if key not in SCALED}
+    return {key: parameter for key, parameter in curves.parameters.items() if key not in SCALED.values()}
 
 
 def _muscle(curves: CurveSet, given: Mapping[str, tuple[object, str]]) -> Muscle:
-    def number(key: str, parameter: Parameter) -> float:
-        value, path = given[key]
-        return within(path, value, parameter)
+    known = {**SIZES, **numbers_of(curves)}
+    values, sds = _numbers({key: pair for key, pair in given.items() if key in known}, known)
+    sizes = {key: values.pop(key) for key in SIZES}
+    defaults = {key: parameter.default for key, parameter in numbers_of(curves).items()}
+    return Muscle(curves, **sizes, numbers={**defaults, **values}, sds=sds)
 
-    return Muscle(
-        curves,
-        **{key: number(key, parameter) for key, parameter in SIZES.items()},
-        numbers={
-            key: number(key, parameter) if key in given else parameter.default
-            for key, parameter in _numbers_of(curves).items()
-        },
-    )
+
+def _numbers(
+    given: Mapping[str, tuple[object, str]], known: Mapping[str, Parameter]
+) -> tuple[dict[str, float], dict[str, float]]:
+    """Values, and standard deviations of those that have one, of numbers or tables with both."""
+    values: dict[str, float] = {}
+    sds: dict[str, float] = {}
+    for key, (content, path) in given.items():
+        value = content
+        if isinstance(content, dict):
+            if sorted(content) != [_SD, _VALUE]:
+                raise ScenarioError(f"{path} must be a number, or {{ value = …, sd = … }}, not {shown(content)}")
+            value = content[_VALUE]
+        values[key] = within(path, value, known[key])
+        if isinstance(content, dict):
+            sds[key] = deviation(path, content[_SD], values[key], known[key].unit)
+    return values, sds

@@ -10,9 +10,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from ...model.arrays import Array
+from ...model.curves.sizes import relative
 from ...model.symbols import MUSCLES
 from ..files.errors import ScenarioError
-from .muscles import SCALED, Muscle, MusclePair
+from .muscles import Muscle, MusclePair
 
 
 @dataclass(frozen=True)
@@ -81,20 +82,8 @@ def scales(pair: MusclePair) -> Scales:
 def _curve_numbers(name: str, muscle: Muscle, first: Muscle) -> dict[str, float]:
     """The numbers of a muscle's curve set, its sizes in those of muscle 1."""
     curves = muscle.curves
-    sizes = dict(
-        zip(
-            SCALED,
-            (
-                # L_slack = tendon slack length/l₀
-                muscle.tendon_slack_length / first.optimal_fibre_length,
-                muscle.F_max / first.F_max,
-                muscle.optimal_fibre_length / first.optimal_fibre_length,
-                muscle.v_max / first.v_max,
-            ),
-            strict=True,
-        )
-    )
-    unlike = [key for key in SCALED if key not in curves.parameters and sizes[key] != 1]
+    sizes = relative(muscle.sizes, first.sizes)
+    unlike = [key for key in sizes if key not in curves.parameters and sizes[key] != 1]
     if unlike:
         raise ScenarioError(
             f"{name}: curves {curves.name} have no size of their own: {', '.join(unlike)} must be that of muscle1"

@@ -37,7 +37,7 @@ def along(
     """
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RunWarning)
-        run = simulate_prepared(dataclasses.replace(prepared, observers=()))
+        run = simulate_prepared(dataclasses.replace(prepared, chosen={}))
     if failures := json.loads(run.attrs["failures"]):
         raise ScenarioError(f"there is no run to look along: {next(iter(failures.values()))}")
     points = {state: run.x.sel(state=state).values for state in run.state.values.tolist()}

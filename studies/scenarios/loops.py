@@ -15,7 +15,7 @@ from ...model.pair import DRIVES
 from ...model.sensors import NOISE_CHANNELS, sensors
 from ...model.signals.pulses import PULSES
 from ...model.symbols import ACTIVATIONS, MEASURED, QUANTITIES
-from ...observers import OBSERVERS, Observer, baseline_estimator, estimator
+from ...observers import OBSERVERS, Observer, baseline_estimator, estimator_of
 from ...observers.score import MEASURES, score
 from ...observers.tendons import tendons, tendons_of_a_step
 from .paths import Paths, paths_of
@@ -28,41 +28,40 @@ _UNSEEN = {*ACTIVATIONS, "r"}
 def paper_loop(
     drive: str,
     curves: Curves,
-    custom: tuple[Block, ...] = (),
+    observers: tuple[Observer, ...] | None = None,
+    corrected: bool = False,
     controller: Block | None = None,
     quantities: tuple[str, ...] = QUANTITIES,
     measures: tuple[str, ...] = MEASURES,
-    registered: tuple[str, ...] | None = None,
 ) -> Loop:
-    """The closed loop with registered observers, the baseline and `custom` ones; only what is named is scored.
+    """The closed loop with the baseline and some observers, layers `corrected` or not; only what is named is scored.
 
-    registered: their names, all by default, so that one library serves whatever is asked for.
+    observers: all that are registered by default, so that one library serves whatever is asked for.
     """
     activations = not ACTIVATIONS.isdisjoint(quantities)
     truth = closed_loop(drive, curves, controller)
-    names = OBSERVERS if registered is None else registered
+    banked = tuple(OBSERVERS.values()) if observers is None else observers
     return Loop(
         truth=truth if activations else replace(truth, y=truth.y.only(name for name in truth.y if name not in _UNSEEN)),
         sensors=sensors(),
-        bank=_bank(curves, tuple(OBSERVERS[name] for name in names), custom, activations),
+        bank=_bank(curves, banked, corrected, activations),
         score=score(quantities, measures),
         noise=NOISE_CHANNELS,
         pulses=PULSES,
     )
 
 
-# the slow part of a loop, and the same for each drive
+# the same for each drive
 @functools.lru_cache(maxsize=16)
-def _bank(curves: Curves, observers: tuple[Observer, ...], custom: tuple[Block, ...], activations: bool) -> Bank:
-    """The baseline, the registered observers and `custom` ones, as estimators."""
-    blocks = (*(observer.build() for observer in observers), *custom)
-    estimators = [estimator(block, curves, activations) for block in blocks]
+def _bank(curves: Curves, observers: tuple[Observer, ...], corrected: bool, activations: bool) -> Bank:
+    """The baseline and the observers, as estimators."""
+    estimators = [estimator_of(observer, corrected, curves, activations) for observer in observers]
     front, near = tendons(curves), tendons_of_a_step(STAGES, curves)
     return Bank(MEASURED, front, near, (baseline_estimator(curves, activations), *estimators))
 
 
 @functools.lru_cache(maxsize=16)
-def all_paths(custom: tuple[Block, ...] = (), curves: Curves = NGUYEN2019) -> Paths:
-    """The table of all paths, whatever drives the plant."""
-    loops = [paper_loop(drive, curves, custom) for drive in DRIVES]
+def all_paths(own: tuple[Observer, ...] = (), curves: Curves = NGUYEN2019, corrected: bool = False) -> Paths:
+    """The table of all paths, whatever drives the plant; `own` are a user's observers."""
+    loops = [paper_loop(drive, curves, (*OBSERVERS.values(), *own), corrected) for drive in DRIVES]
     return paths_of([*(loop.truth for loop in loops), loops[0].sensors, *loops[0].observers, loops[0].score])

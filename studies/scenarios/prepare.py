@@ -3,21 +3,21 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from ...codegen.loop import Loop
 from ...codegen.memory import Grid
-from ...model.block import Block
 from ...model.symbols import MUSCLES, QUANTITIES, hat
-from ...observers import OBSERVERS, PAPER
+from ...observers import PAPER, Observer
 from ...observers.score import MEASURES
 from ..files.errors import ScenarioError
-from ..files.quote import shown
+from ..files.numbers import switch
 from .grid import time_grid
 from .layers import Value, layers
 from .loops import all_paths, paper_loop
+from .observers import Observers, compiled_with, observers_named, own_among
 from .paths import Paths
 from .scenario import Scenario, choices, curves_of, scenario
 
@@ -35,7 +35,13 @@ class Prepared:
     loop: Loop
     paths: Paths
     grid: Grid
-    observers: tuple[str, ...]
+    chosen: Mapping[str, Observer]
+    corrected: bool  # the layers of sliding mode observers
+
+    @property
+    def observers(self) -> tuple[str, ...]:
+        """The names of the observers that are asked for."""
+        return tuple(self.chosen)
 
     @property
     def label(self) -> str:
@@ -44,11 +50,12 @@ class Prepared:
             f"{path}={_spelled(value)}" for path, value in self.scenario.changes.items() if path != "description"
         ]
         observers = [] if self.observers == PAPER else self.observers
-        label = ",".join([self.scenario.name, *changes, *observers])
+        words = [*changes, *observers, *["corrected"] * self.corrected]
+        label = ",".join([self.scenario.name, *words])
         if len(label) <= _LONGEST_LABEL:
             return label
         digest = hashlib.sha256(label.encode()).hexdigest()[:_DIGITS]
-        return f"{self.scenario.name},{len(changes) + len(observers)} changes,{digest}"
+        return f"{self.scenario.name},{len(words)} changes,{digest}"
 
     def value(self, path: str) -> float:
         """The number at `path`."""
@@ -64,34 +71,21 @@ class Prepared:
 
 def prepare(
     source: str | Path,
-    observers: Sequence[str | Block] | str | Block | None,
+    observers: Observers,
     changes: Mapping[str, Value],
     quantities: tuple[str, ...] = QUANTITIES,
     measures: tuple[str, ...] = MEASURES,
+    corrected: bool = False,
 ) -> Prepared:
     """Everything of a run that can be wrong before it starts. ScenarioError says what is.
 
-    quantities, measures: what is scored, and how.
+    quantities, measures: what is scored, and how; corrected: the layers of sliding mode observers.
     """
-    if isinstance(observers, str | Block):
-        observers = [observers]
     name, stacked = layers(source, changes)
-    custom = tuple(block for block in observers or () if isinstance(block, Block))
-    chosen = tuple(dict.fromkeys(o.name if isinstance(o, Block) else o for o in (observers or PAPER)))
-    known = [*OBSERVERS, *(block.name for block in custom)]
-    for observer in chosen:
-        if observer not in known:
-            raise ScenarioError(f"unknown observer {shown(observer)}; there are {', '.join(known)}")
+    chosen = observers_named(observers)
     curves = curves_of(choices(stacked))
-    _refuse_taken(custom, all_paths((), curves))
-    paths = all_paths(custom, curves)
-    return assemble(scenario(name, stacked, paths), chosen, custom, quantities, measures)
-
-
-def _refuse_taken(custom: Sequence[Block], paths: Paths) -> None:
-    taken = {"truth", *(path.partition(".")[0] for path in (*paths.parameters, *paths.groups()))}
-    if clash := [block.name for block in custom if block.name in taken]:
-        raise ScenarioError(f"the name {clash[0]!r} is taken; give your observer another one")
+    paths = all_paths(tuple(own_among(chosen).values()), curves, switch("corrected", corrected))
+    return assemble(scenario(name, stacked, paths), chosen, quantities, measures, corrected)
 
 
 def _spelled(value: object) -> str:
@@ -100,18 +94,17 @@ def _spelled(value: object) -> str:
 
 def assemble(
     checked: Scenario,
-    observers: tuple[str, ...],
-    custom: tuple[Block, ...] = (),
+    chosen: Mapping[str, Observer],
     quantities: tuple[str, ...] = QUANTITIES,
     measures: tuple[str, ...] = MEASURES,
+    corrected: bool = False,
 ) -> Prepared:
     """The Blocks that run a scenario; ScenarioError for numbers that do not fit together."""
-    paths = all_paths(custom, checked.curves)
+    paths = all_paths(tuple(own_among(chosen).values()), checked.curves, corrected)
     paths.check(checked.curves, checked.given)
-    # a library for a user's observer is compiled anyway: the others need not be in it
-    registered = tuple(name for name in OBSERVERS if name in observers) if custom else tuple(OBSERVERS)
-    loop = paper_loop(checked.drive, checked.curves, custom, None, quantities, measures, registered)
-    prepared = Prepared(checked, loop, paths, time_grid(lambda path: paths.value(path, checked.given)), observers)
+    loop = paper_loop(checked.drive, checked.curves, compiled_with(chosen), corrected, None, quantities, measures)
+    grid = time_grid(lambda path: paths.value(path, checked.given))
+    prepared = Prepared(checked, loop, paths, grid, chosen, corrected)
     _check_force_factors(prepared)
     _check_samples(prepared)
     _check_variables(prepared)

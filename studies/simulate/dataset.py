@@ -131,7 +131,7 @@ def _manifest(prepared: Prepared, traces: Mapping[str, Trace], library: str) -> 
 
 
 def repeatable(prepared: Prepared) -> dict[str, str]:
-    """All numbers and choices of a scenario, and the versions that ran it, as text for NetCDF."""
+    """All numbers and choices of a run, and the versions that ran it, as text for NetCDF."""
     scenario, table = prepared.scenario, prepared.paths
     used = [path for block in prepared.loop.blocks for path in block_paths(block)]
     values = {path: prepared.value(path) for path in dict.fromkeys([*table.parameters, *used])}
@@ -142,6 +142,7 @@ def repeatable(prepared: Prepared) -> dict[str, str]:
         "choices": json.dumps({key: scenario.choices.get(key, valid[0]) for key, valid in CHOICES.items()}),
         "parameters": json.dumps(values),
         "changed": json.dumps(dict(scenario.given)),
+        "corrected": json.dumps(prepared.corrected),
         "versions": json.dumps(versions()),
     }
 

@@ -10,9 +10,9 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from ...codegen.batch import CompiledLoop, Trace, compile_loop
-from ...model.block import Block
 from ..files.progress import Progress, shares, unseen
 from ..scenarios.layers import Value
+from ..scenarios.observers import Observers
 from ..scenarios.prepare import BASELINE, Prepared, prepare
 from .dataset import dataset
 
@@ -23,21 +23,23 @@ class RunWarning(UserWarning):
 
 def simulate(
     source: str | Path = "paper-clean",
-    observers: Sequence[str | Block] | str | Block | None = None,
+    observers: Observers = None,
     changes: Mapping[str, Value] | None = None,
     progress: Progress | None = None,
+    corrected: bool = False,
 ) -> xr.Dataset:
     """Run a scenario and return states, inputs, activations, estimates and measures with named dimensions.
 
     source: the name of a shipped scenario, or the path of a TOML file.
-    observers: names from the registry, or Blocks with an observer's ports; all registered ones by default.
+    observers: names from the registry, or Blocks with an observer's ports; the paper's three by default.
     changes: path → value on top of the scenario, such as {"plant.m": 1.2, "seed": 3}.
+    corrected: the sliding mode observers' layers are corrected, as `estimate` does; the paper's are not.
     The Dataset has the dimensions time, state, muscle, sensor, observer, estimator (observers and the baseline)
     and quantity; everything is dimensionless. Failures are in its attributes, the numbers after one are NaN. Beside
     each measure is its `…_step_error`: twice what the same run at half the step changes.
     ScenarioError for a wrong scenario, path, value or observer; BuildError if nothing can be compiled.
     """
-    return simulate_prepared(prepare(source, observers, changes or {}), progress or unseen)
+    return simulate_prepared(prepare(source, observers, changes or {}, corrected=corrected), progress or unseen)
 
 
 def simulate_prepared(prepared: Prepared, progress: Progress = unseen) -> xr.Dataset:

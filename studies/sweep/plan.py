@@ -24,6 +24,7 @@ from ..files.numbers import whole
 from ..files.quote import shown, table
 from ..scenarios.grid import time_grid
 from ..scenarios.layers import Value
+from ..scenarios.observers import Observers
 from ..scenarios.paths import block_paths
 from ..scenarios.prepare import BASELINE, Prepared, assemble, prepare
 from ..scenarios.scenario import checked_number
@@ -144,12 +145,13 @@ def plan(
     source: str | Path,
     over: Mapping[str, Values],
     seeds: int | Sequence[int],
-    observers: Sequence[str | Block] | str | Block | None = None,
+    observers: Observers = None,
     changes: Mapping[str, Value] | None = None,
     kind: str = "grid",
     samples: int = 0,
     quantities: Sequence[str] = QUANTITIES,
     measures: Sequence[str] = MEASURES,
+    corrected: bool = False,
 ) -> Plan:
     """Everything of a sweep that can be wrong before it starts. ScenarioError says what is."""
     over, changes = table("over", over), table("changes", changes or {})
@@ -158,7 +160,7 @@ def plan(
     asked, estimators = _observers(observers, over)
     # in the order of the tables, whatever the order asked for; the RMSE is always among the measures
     scored = _chosen("quantity", quantities, QUANTITIES), _chosen("measure", ["rmse", *measures], MEASURES)
-    prepared = prepare(source, asked, changes, *scored)
+    prepared = prepare(source, asked, changes, *scored, corrected)
     swept = axes(over, kind, samples)
     for path, values in zip(swept.paths, swept.values, strict=True):
         if path in ("seed", "record") or not prepared.paths.expand(path):
@@ -167,7 +169,7 @@ def plan(
             checked_number(path, value, prepared.paths)
     result = Plan(prepared, swept, _seeds(seeds), estimators or prepared.observers, *scored, PART)
     _check_effect(result)
-    _check_together(result, tuple(observer for observer in asked or () if isinstance(observer, Block)))
+    _check_together(result)
     return result
 
 
@@ -191,8 +193,8 @@ def _check_effect(plan: Plan) -> None:
             raise ScenarioError(f"{path} changes nothing here: nothing that runs and is scored takes it")
 
 
-def _check_together(plan: Plan, custom: tuple[Block, ...]) -> None:
-    """Each combination of numbers that limit each other must be one that could run; `custom` are a user's observers."""
+def _check_together(plan: Plan) -> None:
+    """Each combination of numbers that limit each other must be one that could run."""
     prepared, swept = plan.prepared, plan.axes.paths
     paths, scenario = prepared.paths, prepared.scenario
     groups = [[path for path in swept if path.rpartition(".")[2] in words] for words in _TOGETHER]
@@ -201,17 +203,15 @@ def _check_together(plan: Plan, custom: tuple[Block, ...]) -> None:
         if len(rows) > _MOST_CHECKS:
             raise ScenarioError(f"more than {_MOST_CHECKS:,} combinations of {', '.join(together)} are too many")
         for values in rows:
-            given = {**scenario.given, **paths.spread(values)}
+            at = replace(scenario, given={**scenario.given, **paths.spread(values)})
             try:
-                assemble(replace(scenario, given=given), prepared.observers, custom, plan.quantities, plan.measures)
+                assemble(at, prepared.chosen, plan.quantities, plan.measures, prepared.corrected)
             except ScenarioError as error:
                 where = ", ".join(f"{path} = {value:g}" for path, value in values.items())
                 raise ScenarioError(f"at {where}: {error}") from error
 
 
-def _observers(
-    given: Sequence[str | Block] | str | Block | None, over: Mapping[str, Values]
-) -> tuple[list[str | Block] | None, tuple[str, ...]]:
+def _observers(given: Observers, over: Mapping[str, Values]) -> tuple[list[str | Block] | None, tuple[str, ...]]:
     """What `prepare` is asked for, and the estimators of the sweep if they are others."""
     if given is None:
         # an axis of one observer says nothing of the others

@@ -13,7 +13,6 @@ import xarray as xr
 
 from ...codegen.batch import CompiledLoop, compile_loop
 from ...codegen.toolchain import NATIVE, PORTABLE
-from ...model.block import Block
 from ...model.symbols import QUANTITIES
 from ...observers.score import MEASURES
 from ..files.datasets.netcdf import LARGEST_RESULT, load, netcdf
@@ -22,6 +21,7 @@ from ..files.numbers import whole
 from ..files.progress import CountedProgress, unseen
 from ..files.reading import cause
 from ..scenarios.layers import Value
+from ..scenarios.observers import Observers
 from ..simulate.run import recorded
 from .axes import Values
 from .cluster.client import on_cluster
@@ -40,7 +40,7 @@ def sweep(
     source: str | Path = "paper-clean",
     over: Mapping[str, Values] | None = None,
     seeds: int | Sequence[int] = 1,
-    observers: Sequence[str | Block] | str | Block | None = None,
+    observers: Observers = None,
     changes: Mapping[str, Value] | None = None,
     kind: str = "grid",
     samples: int = 0,
@@ -51,10 +51,11 @@ def sweep(
     measures: Sequence[str] = MEASURES,
     progress: CountedProgress | None = None,
     cluster: str | None = None,
+    corrected: bool = False,
 ) -> xr.Dataset:
     """Run a scenario for all values in `over` and all seeds, and return the measures of each run.
 
-    source, observers, changes: as for `simulate`; "baseline" is an observer too. By default those whose
+    source, observers, changes, corrected: as for `simulate`; "baseline" is an observer too. By default those whose
         numbers are swept, or all.
     over: path → values, or a `Range`; one dimension each, named by the path (`point`, if not a grid).
     seeds: how many, from 0, or which. kind: grid, zip, or a design of `samples` points: latin, sobol.
@@ -73,7 +74,7 @@ def sweep(
     ScenarioError for what cannot be run, ResultError for `out`, BuildError if nothing can be compiled, ClusterError for
     a cluster that is not there, lost, or of other code.
     """
-    checked = plan(source, over or {}, seeds, observers, changes, kind, samples, quantities, measures)
+    checked = plan(source, over or {}, seeds, observers, changes, kind, samples, quantities, measures, corrected)
     with engine(workers, cluster) as (compute, usual):
         chosen = usual if target is None else target
         return sweep_planned(checked, None if out is None else Path(out), compute, chosen, progress or unseen)

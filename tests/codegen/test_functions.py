@@ -25,6 +25,8 @@ def builds() -> dict[str, Library]:
     x, y = ca.SX.sym("x"), ca.SX.sym("y")
     every = [ca.Function(f"kernel_{name}", [x], [f(x)]) for name, f in FUNCTIONS.items()]
     every += [ca.Function("kernel_fmin", [x, y], [ca.fmin(x, y)]), ca.Function("kernel_fmax", [x, y], [ca.fmax(x, y)])]
+    every += [ca.Function("kernel_slope", [x], [ca.jacobian(ca.fabs(x), x)])]
+    every += [ca.Function("kernel_root", [x], [ca.if_else(x > 0, ca.sqrt(x), 0, True)])]
     return {target: compile_functions(every, target) for target in BUILDS}
 
 
@@ -131,3 +133,10 @@ def test_of_two_numbers_the_first_stays_visible_if_it_is_none(builds, build: str
     np.testing.assert_array_equal(
         value(builds[build], name, a, b), {"fmin": np.minimum, "fmax": np.maximum}[name](a, b)
     )
+
+
+@pytest.mark.parametrize("build", BUILDS)
+def test_a_function_with_a_branch_has_one_in_no_lane(builds, build: str) -> None:
+    x = np.array([-2.0, -0.0, 0.0, 4.0, 1e300, -5e-324, np.inf])
+    np.testing.assert_array_equal(value(builds[build], "slope", x), np.sign(x))
+    np.testing.assert_array_equal(value(builds[build], "root", x[:-1]), np.sqrt(np.maximum(x[:-1], 0)))

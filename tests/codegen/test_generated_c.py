@@ -131,7 +131,7 @@ int main(int argc, char **argv) {{
 
 def sanitized_loop(drive: str) -> Loop:
     """The sanitizers take a minute for all observers: the paper's with each change, all of them in the long run."""
-    return paper_loop(drive, NGUYEN2019, registered=PAPER if drive == "virtual" else None)
+    return paper_loop(drive, NGUYEN2019, tuple(OBSERVERS[name] for name in PAPER) if drive == "virtual" else None)
 
 
 def numbers_of(drive: str, given: dict[str, float]) -> dict[str, list[float]]:

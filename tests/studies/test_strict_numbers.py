@@ -48,6 +48,8 @@ PLACES: dict[str, Callable[[object], object]] = {
     "range high": lambda bad: Range(0, bad, 3),
     "range count": lambda bad: Range(0, 1, bad),
     "estimate changes": lambda bad: hillobs.estimate(RUN, PAIR, changes={"high_gain.eps_h": bad}),
+    "estimate doubt": lambda bad: hillobs.estimate(RUN, PAIR, doubt={"F_max": bad}),
+    "muscle sds": lambda bad: dataclasses.replace(PAIR.muscle1, sds={"F_max": bad}),
     "estimate keep_every": lambda bad: hillobs.estimate(RUN, PAIR, keep_every=bad),
     "observability place": lambda bad: hillobs.observability(place={"x3": bad}),
     "observability order": lambda bad: hillobs.observability(order=bad if bad is not None else "x"),

@@ -14,7 +14,7 @@ from rich.text import Text
 from ....model.arrays import Array
 from ....model.skeleton import pull
 from ....observers import label
-from ...estimate.scores import BOTH, SETTLED, Score
+from ...estimate.scores import BOTH, SETTLED, WITHIN_95, Score
 from .conditions import violated_conditions
 from .likelihood import decisions
 from .number import counted, number
@@ -75,7 +75,19 @@ def notes(dataset: xr.Dataset) -> Iterator[str]:
             ):
                 if (active := of[what].sel(muscle=j).values > 0).any():
                     yield f"  {sentence} {_episodes(time, active)}"
+    if "activation_sd_muscle" in dataset:
+        yield from _in_doubt(dataset.activation_sd_muscle.isel(observer=0))
     yield from violated_conditions(dataset)
+
+
+def _in_doubt(deviations: xr.DataArray) -> Iterator[str]:
+    """What the numbers in doubt do to the activations in the mean over time, if their deviations are known at any."""
+    mean = float(np.sqrt((deviations**2).mean()))
+    if np.isfinite(mean):
+        yield (
+            f"activations may be off by {number(WITHIN_95 * mean)} (95 %) since the muscles' numbers are known only so "
+            "well, see --doubt"
+        )
 
 
 def failures(dataset: xr.Dataset) -> Iterator[str]:
@@ -99,14 +111,23 @@ def _seconds(value: float) -> str:
 def score_table(scores: Sequence[Score]) -> Table:
     """RMSE of each observer after the first second, both muscles together."""
     table = Table(box=None, padding=(0, 2, 0, 0), title=f"RMSE after {SETTLED:g} s", title_justify="left")
-    shown = [q for q in _SHOWN if any(score.quantity == q for score in scores)]
-    for heading in ("", *(_SHOWN[q][0] for q in shown)):
+    head, *rows = score_cells(scores)
+    for heading in head:
         table.add_column(heading, justify="left" if not heading else "right", no_wrap=True)
-    by_key = {(s.observer, s.quantity): s.rmse for s in scores if s.muscle in ("", BOTH)}
-    for observer in dict.fromkeys(score.observer for score in scores):
-        cells = [number(by_key[observer, q] * _SHOWN[q][1]) for q in shown]
-        table.add_row(Text(label(observer)), *cells)
+    for observer, *cells in rows:
+        table.add_row(Text(observer), *cells)
     return table
+
+
+def score_cells(scores: Sequence[Score]) -> list[list[str]]:
+    """The same as words: a row of headings, then a row for each observer, which it begins with."""
+    shown = [q for q in _SHOWN if any(score.quantity == q for score in scores)]
+    by_key = {(s.observer, s.quantity): s.rmse for s in scores if s.muscle in ("", BOTH)}
+    rows = [
+        [label(observer), *(number(by_key[observer, q] * _SHOWN[q][1]) for q in shown)]
+        for observer in dict.fromkeys(score.observer for score in scores)
+    ]
+    return [["", *(_SHOWN[q][0] for q in shown)], *rows]
 
 
 def _against(dataset: xr.Dataset) -> bool:

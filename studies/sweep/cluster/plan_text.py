@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from ....observers import OBSERVERS
 from ...files.errors import ScenarioError
-from ...scenarios.prepare import BASELINE, assemble
+from ...scenarios.observers import observers_named, own_among
+from ...scenarios.prepare import assemble
 from ...scenarios.scenario import Scenario
 from ..axes import Axes
 from ..plan import Plan
@@ -19,14 +19,12 @@ from ..plan import Plan
 def text_of(plan: Plan) -> str:
     """A Plan as JSON, each number to its last bit. ScenarioError if it holds an observer that is not ours."""
     prepared = plan.prepared
-    if foreign := [b.name for b in prepared.loop.observers if b.name not in (BASELINE, *OBSERVERS)]:
-        raise ScenarioError(
-            f"{foreign[0]} is a Block of this process, which no text can send; sweep it without a cluster"
-        )
+    for name in own_among(prepared.chosen):
+        raise ScenarioError(f"{name} is a Block of this process, which no text can send; sweep it without a cluster")
     scenario = prepared.scenario
     content = {
         "scenario": [scenario.name, scenario.description, scenario.seed, dict(scenario.choices), dict(scenario.given)],
-        "prepared": list(prepared.observers),
+        "prepared": [list(prepared.observers), prepared.corrected],
         # the values themselves: another machine's exp may round a range otherwise
         "axes": [plan.axes.kind, dict(zip(plan.axes.paths, (v.tolist() for v in plan.axes.values), strict=True))],
         "seeds": plan.seeds.tolist(),
@@ -42,8 +40,9 @@ def plan_of(text: str) -> Plan:
     content: Mapping[str, Any] = json.loads(text)
     kind, axes = content["axes"]
     quantities, measures = (tuple(names) for names in content["scored"])
+    observers, corrected = content["prepared"]
     return Plan(
-        assemble(Scenario(*content["scenario"]), tuple(content["prepared"]), (), quantities, measures),
+        assemble(Scenario(*content["scenario"]), observers_named(observers), quantities, measures, corrected),
         Axes(kind, tuple(axes), tuple(np.array(values, dtype=float) for values in axes.values())),
         np.array(content["seeds"], dtype=np.uint64),
         tuple(content["observers"]),

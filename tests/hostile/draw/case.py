@@ -132,6 +132,7 @@ def _estimate(random: Random) -> Drawn:
         muscles.changed,
         muscles.changed,
         muscles.odd_file,
+        muscles.doubt,
         gain,
     ]
     return base, _some(random, [*odd, gain, muscles.curves, scenarios.observers, _out("out")])

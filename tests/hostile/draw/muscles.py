@@ -30,6 +30,7 @@ _OTHER = (
     '"a\\u001b[31m"',
     '"no.csv"',
 )
+_UNITS = ("", "", "%", "%", " N", "mm", "furlong")
 _LINES = (
     *('description = "x\\u0000y"', 'description = "\\u001b[31m"', "description = 1", "x = 1", "[muscle3]\nF_max = 1"),
     *(
@@ -77,7 +78,7 @@ def _text(pair: dict[str, str], muscle: dict[str, str], more: tuple[str, ...] = 
 
 def changed(random: Random) -> Layer:
     """The file with numbers that are wrong, missing, or at an edge."""
-    pair, muscle = dict(_PAIR), dict(_MUSCLE)
+    pair, muscle, given = dict(_PAIR), dict(_MUSCLE), {**_PAIR, **_MUSCLE}
     more: tuple[str, ...] = ()
     for _ in range(random.choice((1, 1, 2))):
         part = pair if random.random() < 0.3 else muscle
@@ -89,13 +90,28 @@ def changed(random: Random) -> Layer:
                 more = ("", random.choice(_LINES)) if random.random() < 0.5 else (random.choice(_LINES),)
             case _ if key == "curves":
                 part[key] = random.choice(_OTHER)
+            case share if share < 0.4:
+                part[key] = f"{{ value = {given[key]}, sd = {_deviation(random, float(given[key]))} }}"
             case _:
-                part[key] = number(random, float(part[key]))
+                part[key] = number(random, float(given[key]))
     files = {FILE: {"text": _text(pair, muscle, more)}}
     if "estimates.csv" in muscle.get("curves", ""):
         # the user keeps curves where estimates are written, under a name that these have
         return {"words": ["--out", "."], "files": {**files, "estimates.csv": {"text": _CURVES}}}
     return {"files": files}
+
+
+def doubt(random: Random) -> Layer:
+    """How far a number may be off: some number, of some size, in some unit."""
+    known = {**_PAIR, **{key: value for key, value in _MUSCLE.items() if key != "curves"}, "force_bias": "100"}
+    name, value = random.choice(list(known.items()))
+    prefix = random.choice(("", "", "muscle1.", "muscle3."))
+    return {"words": ["--doubt", f"{prefix}{name}={number(random, 0.1 * float(value))}{random.choice(_UNITS)}"]}
+
+
+def _deviation(random: Random, value: float) -> str:
+    typed = number(random, 0.1 * value)
+    return typed if random.random() < 0.5 else f'"{typed}{random.choice(_UNITS)}"'
 
 
 def curves(random: Random) -> Layer:

@@ -24,20 +24,29 @@ COMPLETED = {
     "hillobs sim": {"simulate"},
     "hillobs simulate sla": {"slack", "slack-deep", "sla"},
     "hillobs show act": {"activation", "act"},
-    "hillobs simulate --observer s": {"sliding_mode"},
+    "hillobs simulate --observer s": {"sliding_mode", "s"},
     "hillobs simulate --set high_gain.eps": {"high_gain.eps_h=", "high_gain.eps_L="},
     "hillobs simulate --set muscle.curves=m": {"muscle.curves=millard2012"},
     "hillobs sweep --over noise.": {"noise.x1=", "noise.force=", "noise.drift=", "noise.period="},
 }
 
 
-@pytest.mark.parametrize("words", COMPLETED)
-def test_a_shell_completes(words: str) -> None:
+def completed(words: str, folder: Path) -> set[str]:
     asked = {"_HILLOBS_COMPLETE": "bash_complete", "COMP_WORDS": words, "COMP_CWORD": str(words.count(" "))}
-    done = subprocess.run(
-        [Path(sys.executable).parent / "hillobs"], capture_output=True, text=True, check=True, env=os.environ | asked
-    )
-    assert {line.partition(",")[2] for line in done.stdout.splitlines()} == COMPLETED[words]
+    command, environment = Path(sys.executable).parent / "hillobs", os.environ | asked
+    done = subprocess.run([command], capture_output=True, text=True, check=True, env=environment, cwd=folder)
+    return {line.partition(",")[2] for line in done.stdout.splitlines()}
+
+
+@pytest.mark.parametrize("words", COMPLETED)
+def test_a_shell_completes(words: str, tmp_path: Path) -> None:
+    assert completed(words, tmp_path) == COMPLETED[words]
+
+
+def test_completion_does_not_run_the_file_of_an_observer(tmp_path: Path) -> None:
+    (tmp_path / "own.py").write_text("open('ran', 'w')")
+    assert completed("hillobs simulate --observer own.py:x sla", tmp_path) == COMPLETED["hillobs simulate sla"]
+    assert [path.name for path in tmp_path.iterdir()] == ["own.py"]
 
 
 def test_show_list_info_and_version_speak(command) -> None:

@@ -16,6 +16,7 @@ _ESTIMATE = [
     "high_gain",
     "--every",
     "20",
+    "--report",
     "--out",
     ".",
 ]

@@ -39,7 +39,7 @@ def test_short_gaps_are_bridged_and_told(short: Recording) -> None:
         as_measured.activation_hat.sel(observer=others), estimates.activation_hat.sel(observer=others)
     )
     during = {"observer": "kalman", "time": slice(0.51, 0.54)}
-    assert (estimates.activation_sd.sel(during) > 1.1 * as_measured.activation_sd.sel(during)).all()
+    assert (estimates.activation_sd_state.sel(during) > 1.1 * as_measured.activation_sd_state.sel(during)).all()
 
 
 @pytest.mark.parametrize(

@@ -49,6 +49,9 @@ def test_units_and_sizes_change_no_activation(
     np.testing.assert_allclose(after.activation_hat, before.activation_hat, atol=1e-9)
     np.testing.assert_allclose(after.velocity_hat, before.velocity_hat * length * rate, atol=1e-9 * length * rate)
     np.testing.assert_allclose(after.disturbance_hat, before.disturbance_hat * force, atol=1e-6 * force)
+    # usual doubts are parts of the numbers
+    np.testing.assert_allclose(after.activation_sd_muscle, before.activation_sd_muscle, rtol=1e-6)
+    np.testing.assert_allclose(after.fibre_length_sd_muscle, before.fibre_length_sd_muscle * length, rtol=1e-6)
 
 
 def test_the_mirror_image_has_its_muscles_swapped(short: Recording) -> None:
@@ -60,6 +63,7 @@ def test_the_mirror_image_has_its_muscles_swapped(short: Recording) -> None:
     # the adaptive laws jump; what is left of a rounding error is larger there
     np.testing.assert_allclose(after.activation_hat[..., ::-1], before.activation_hat, atol=1e-6)
     np.testing.assert_allclose(after.velocity_hat, -before.velocity_hat, atol=1e-7)
+    np.testing.assert_allclose(after.activation_sd_muscle[..., ::-1], before.activation_sd_muscle, atol=1e-6)
 
 
 def test_when_it_began_does_not_matter(short: Recording) -> None:

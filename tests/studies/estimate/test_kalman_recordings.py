@@ -31,7 +31,7 @@ def test_95_percent_of_the_errors_are_within_1_96_standard_deviations(noisy: xr.
     of = noisy.sel(observer="kalman", time=slice(SETTLED, None))
     for name in DEVIATIONS:
         error = of[f"{name}_hat"] - of[f"true_{name}"]
-        covered = float((abs(error) < 1.96 * of[f"{name}_sd"]).mean())
+        covered = float((abs(error) < 1.96 * of[f"{name}_sd_state"]).mean())
         # the disturbance is smoother than a random walk of its rate, and so is a fibre's velocity beside an activation
         assert 0.9 < covered < (1 if name in ("disturbance", "fibre_velocity") else 0.99), (name, covered)
 
@@ -60,7 +60,7 @@ def test_where_samples_are_missing_it_is_less_sure(short: Recording) -> None:
     present = np.r_[0:first, last : len(short)]
     of = estimate(part(short, present), MUSCLES, ["kalman"], form="u").sel(observer="kalman")
     for name in ("position", "velocity", "disturbance", "fibre_length"):
-        deviation = of[f"{name}_sd"].values
+        deviation = of[f"{name}_sd_state"].values
         assert (deviation[first] > 1.1 * deviation[first - 1]).all(), name
         # and as sure as ever some time later
         assert (deviation[-1] < 1.2 * deviation[first - 1]).all(), name

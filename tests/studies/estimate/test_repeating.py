@@ -22,6 +22,8 @@ pytestmark = pytest.mark.numerics
     [
         {},
         {"observers": "high_gain_3", "corrected": False, "keep_every": 3},
+        {"observers": "kalman", "doubt": {"optimal_fibre_length": "2%", "muscle1.force_bias": 5.0, "mass": "1%"}},
+        {"observers": "kalman", "usual_doubt": False},
         {"changes": {"high_gain.eps_h": 1 / 3, "sliding_mode.tau_c": 0.2}, "mapping": {"position": "position"}},
     ],
 )
@@ -37,7 +39,8 @@ def test_the_curves_of_unlike_muscles_are_in_the_file_too(
 ) -> None:
     (tmp_path / "tables.csv").write_bytes((DATA / "curves_millard_tables.csv").read_bytes())
     muscles = tmp_path / "muscles.toml"
-    muscles.write_text(UNLIKE_MUSCLES.replace("degroote_fregly2016", first))
+    text = UNLIKE_MUSCLES.replace("degroote_fregly2016", first)
+    muscles.write_text(text.replace("F_max = 900.0", "F_max = { value = 900.0, sd = '12%' }"))
     with few_observers("sliding_mode"):
         once = estimate(unlike[0], muscles, "sliding_mode")
         save_netcdf(once, tmp_path / "x.nc")

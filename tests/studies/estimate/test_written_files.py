@@ -1,17 +1,19 @@
 """What an estimate writes is read back as it was computed, is the same each time, and leaves nothing stale."""
 
+import csv
 import hashlib
+import io
 import itertools
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 import xarray as xr
 
 from hillobs.studies.estimate.files import save_estimates
 from hillobs.studies.estimate.run import estimate
 from hillobs.studies.estimate.scores import scores
-from hillobs.studies.figures.estimate import estimate_sheet
 from hillobs.studies.files.datasets.netcdf import load
 from hillobs.studies.files.tables import Series, write_csv
 from hillobs.studies.laboratory.recording import Recording, read_recording
@@ -88,14 +90,25 @@ def test_the_same_recording_gives_the_same_files(
         assert drawn == both[0][name]
 
 
-def test_the_sheet_shows_errors_where_the_truth_is_known(noisy: xr.Dataset) -> None:
-    labels = [axes.get_ylabel() for axes in estimate_sheet(noisy).axes]
-    errors = [label for label in labels if label.startswith("error of")]
-    assert errors == ["error of\nactivation 1", "error of\nactivation 2"]
-    alone = noisy.drop_vars([name for name in noisy if str(name).startswith("true_")])
-    assert len(estimate_sheet(alone).axes) == len(labels) - len(errors)
-    bridged = alone.isel(time=[0]).assign(bridged=alone.bridged.isel(time=[0]) + 1)
-    assert all(axes.collections for axes in estimate_sheet(bridged).axes)
+def test_deviations_are_written_in_the_units_of_the_estimates(noisy: xr.Dataset, tmp_path: Path) -> None:
+    both = noisy.sel(observer=["high_gain", "kalman"])
+    save_estimates(both, [], tmp_path)
+    with (tmp_path / "estimates.csv").open() as file:
+        names, *rows = csv.reader(file)
+    # an observer that knows no noise has the part of the numbers alone, and nothing else has an empty column
+    assert not [name for name in names if name.startswith("high_gain") and "_sd [" in name]
+    assert "high_gain.activation_1_sd_muscle" in names
+    assert "kalman.velocity_sd_muscle [m/s]" not in names
+    columns = dict(zip(names, np.array(rows, dtype=float).T, strict=True))
+    of = both.sel(observer="kalman")
+    np.testing.assert_array_equal(columns["kalman.velocity_sd [m/s]"], of.velocity_sd)
+    np.testing.assert_array_equal(columns["kalman.fibre_length_2_sd [m]"], of.fibre_length_sd.sel(muscle=2))
+    np.testing.assert_array_equal(columns["kalman.activation_1_sd_muscle"], of.activation_sd_muscle.sel(muscle=1))
+    table = (tmp_path / "estimates-kalman.sto").read_text().partition("endheader\n")[2]
+    label = "/forceset/m1/activation_sd"
+    values = np.genfromtxt(io.StringIO(table), delimiter="\t", skip_header=1)
+    place = table.splitlines()[0].split("\t").index(label)
+    np.testing.assert_array_equal(values[:, place], of.activation_sd.sel(muscle=1))
 
 
 def test_what_an_earlier_run_has_left_does_not_pass_for_the_new_result(

@@ -38,7 +38,8 @@ def many() -> list[Drawn]:
 
 
 def followed(one: Drawn, smooth: bool, form: str = "auto") -> xr.Dataset:
-    estimates = estimate(one.recording, one.pair, "kalman", form=form, smooth=smooth)
+    """By a pair that is known exactly, after a second."""
+    estimates = estimate(one.recording, one.pair, "kalman", form=form, smooth=smooth, usual_doubt=False)
     return estimates.sel(observer="kalman", time=slice(SETTLED, None))
 
 

@@ -238,7 +238,7 @@ def _with(value: object, *path: str) -> Callable[[dict[str, Any]], None]:
         (_with(3, "muscle1"), "muscle1 must be a table, [muscle1], not 3"),
         (_with([1], "muscle"), "muscle must be a table, [muscle], not [1]"),
         (_with(3, "description"), "description must be a text, not 3"),
-        (_with({"a": 1}, "muscle2", "F_max"), "muscle2.F_max must be a number, not a table"),
+        (_with({"a": 1}, "muscle2", "F_max"), "muscle2.F_max must be a number, or { value = …, sd = … }, not a table"),
     ],
 )
 def test_a_wrong_key_is_named(change: Callable[[dict[str, Any]], None], sentence: str) -> None:
@@ -291,7 +291,7 @@ def test_a_wrong_file_is_one_sentence_that_names_it(content: bytes, sentence: st
 def test_the_sizes_are_those_of_the_curve_sets() -> None:
     """Whatever set there is, its sizes have these names; everything else is a number of the file."""
     for curves in CURVES.values():
-        assert curves.parameters.keys() & set(SCALED) in ({"L_slack"}, set(SCALED)), curves.name
+        assert curves.parameters.keys() & set(SCALED.values()) in ({"L_slack"}, set(SCALED.values())), curves.name
 
 
 @pytest.mark.parametrize("exponent", [-300, -70, 70, 300])

@@ -1,0 +1,61 @@
+"""The report of an estimate: one file for a browser, to be read, printed and handed on."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+
+import xarray as xr
+
+from ....model.symbols import MUSCLES
+from ...estimate.scores import SETTLED, Score
+from .estimate import failures, notes, score_cells
+from .web import image, listed, page, section, table
+
+_SHEET = (
+    "Measured above; below for each observer its estimates beside the truth, dashed where it is known, their errors, "
+    "and the innovations: what the estimates leave unexplained of position and tendon lengths."
+)
+
+
+def estimate_page(dataset: xr.Dataset, scores: Sequence[Score], verdict: Sequence[str], sheet: bytes) -> bytes:
+    """The page, UTF-8. verdict: sentences on how far the estimates can be trusted; sheet: the figure as PNG."""
+    return page(f"Estimates from {dataset.attrs['source']}", _sections(dataset, scores, verdict, sheet))
+
+
+def _sections(dataset: xr.Dataset, scores: Sequence[Score], verdict: Sequence[str], sheet: bytes) -> Iterator[str]:
+    if first := [*failures(dataset), *verdict]:
+        yield section("Verdict", listed(first))
+    if scores:
+        head, *rows = score_cells(scores)
+        caption = f"Root mean square errors after {SETTLED:g} s, both muscles together"
+        yield section("How far from the truth", table(rows, head, caption))
+    yield section("Estimates", image(sheet, _SHEET))
+    yield section("How they were made", listed(notes(dataset)))
+    yield section("Muscles", *_muscles(json.loads(str(dataset.muscle_file.values))))
+    yield section("Settings", table(_rows(json.loads(dataset.attrs["settings"])), words_in=True))
+    versions = {**json.loads(dataset.attrs["versions"]), "library": dataset.attrs["library"]}
+    yield section("Versions", table(_rows(versions), words_in=True))
+
+
+def _muscles(content: dict[str, object]) -> Iterator[str]:
+    """What both muscles share, and a column for each; `content` is that of a muscle file."""
+    each = [dict(_rows(content.pop(name))) for name in MUSCLES]
+    yield table(_rows(content), caption="in SI", words_in=True)
+    names = dict.fromkeys(name for muscle in each for name in muscle)
+    yield table([(name, *(muscle.get(name, "–") for muscle in each)) for name in names], ["", *MUSCLES])
+
+
+def _rows(content: object, prefix: str = "") -> Iterator[tuple[str, str]]:
+    """Path and value of each leaf of nested tables; of a list of points, how many there are."""
+    for name, value in content.items() if isinstance(content, dict) else ():
+        if isinstance(value, dict):
+            yield from _rows(value, f"{prefix}{name}.")
+        else:
+            yield prefix + name, f"{len(value)} points" if isinstance(value, list) else _plain(value)
+
+
+def _plain(value: object) -> str:
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return f"{value:.6g}" if isinstance(value, float) else str(value)

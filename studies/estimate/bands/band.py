@@ -1,0 +1,82 @@
+"""Standard deviations of what observers made of a recording: in all, and their two parts."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....model.arrays import Array
+from ....model.symbols import STATES
+from ....observers.spread import FIBRES, sd
+from ..case import Case, Result
+from .muscle import muscle_parts
+from .taut import taut
+
+Variable = tuple[tuple[str, ...], NDArray[Any], dict[str, str]]
+
+_ALONE, _BOTH = ("observer", "time"), ("observer", "time", "muscle")
+# estimate → its unit, its words
+_ESTIMATES = {
+    "position": ("m", "position"),
+    "velocity": ("m/s", "velocity"),
+    "disturbance": ("N", "external force"),
+    "tendon_length": ("m", "tendon lengths"),
+    "fibre_length": ("m", "fibre lengths"),
+    "fibre_velocity": ("m/s", "fibre velocities"),
+    "activation": ("1", "activations"),
+}
+# a part → where it comes from
+_FROM = {"": "", "_state": ", from noise and unknown inputs alone", "_muscle": ", from the numbers in doubt alone"}
+
+
+def deviations(case: Case, results: Mapping[str, Result]) -> dict[str, Variable]:
+    """`…_sd` of each estimate and its parts, `…_sd_state` and `…_sd_muscle`, as variables of a Dataset.
+
+    The second part is left out where no number in doubt has a share in it. Not every observer tells the first, and
+    without it the whole is not known: both are NaN, or left out if no observer tells it.
+    """
+    found: dict[str, Variable] = {}
+    states, muscles, taut_tendons = _states(case, list(results.values())), muscle_parts(case, results), _taut(case)
+    for name, (unit, words) in _ESTIMATES.items():
+        parts = {part: of[name] for part, of in (("_state", states), ("_muscle", muscles)) if name in of}
+        if "_state" in parts:
+            # σ² = σ_state² + σ_muscle²
+            parts[""] = functools.reduce(np.hypot, parts.values(), np.zeros(()))
+        for part, values in parts.items():
+            dims = _BOTH if values.ndim == len(_BOTH) else _ALONE
+            if dims == _BOTH:
+                values[:, ~taut_tendons] = np.nan
+            about = f"standard deviation of the estimated {words}{_FROM[part]}"
+            found[f"{name}_sd{part}"] = dims, values, {"long_name": about, "units": unit}
+    return found
+
+
+def _states(case: Case, results: Sequence[Result]) -> dict[str, Array]:
+    """What the covariance of an observer tells, NaN if it tells none; nothing if none does."""
+    s, told = case.scales, [result.y for result in results if sd("x1") in result.y]
+    if not told:
+        return {}
+    unknown = np.full_like(told[0][sd("x1")], np.nan)
+
+    def stacked(*names: str) -> Array:
+        return np.stack([np.stack([r.y.get(sd(n), unknown) for n in names], axis=-1) for r in results])
+
+    return {
+        "position": s.metres(stacked("x1")[..., 0]),
+        "velocity": s.velocity(stacked("x2")[..., 0]),
+        "disturbance": s.disturbance(stacked("Delta")[..., 0]),
+        "tendon_length": s.metres(stacked(*STATES[2:])),
+        "fibre_length": s.metres(stacked(*FIBRES)),
+        "fibre_velocity": s.velocity(stacked("u1", "u2")),
+        "activation": stacked("a1", "a2"),
+    }
+
+
+def _taut(case: Case) -> NDArray[np.bool_]:
+    """Where the length of each tendon can be known (time × muscle)."""
+    sigmas = case.sizes.sigma_F1, case.sizes.sigma_F2
+    return np.stack([taut(case.y[:, j], sigma) for j, sigma in enumerate(sigmas, start=1)], axis=1)[case.kept]

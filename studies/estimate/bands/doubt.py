@@ -1,0 +1,82 @@
+"""Which numbers are in doubt, and by how much: those of a muscle file, of its pair, and errors of the sensors."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Mapping
+
+from ....model.block import Parameter, Parameters
+from ....model.symbols import MUSCLES
+from ....observers.sensitivity import FORCE_BIAS
+from ...files.errors import ScenarioError
+from ...files.numbers import NUMBER
+from ...files.quote import short, shown, table
+from ...laboratory.deviations import deviation
+from ...laboratory.muscles import PAIR, SIZES, MusclePair, numbers_of
+
+POSITION_BIAS = "position_bias"
+# sensors measure in SI
+_FORCE, _POSITION = "N", "m"
+
+_CHOSEN = "chosen, docs/observers.md#bands"
+# relative standard deviations
+USUAL: Parameters = {
+    name: Parameter(default, f"how far {what} may be off, as a part of it", _CHOSEN, above=0, most=1)
+    for name, default, what in (
+        ("F_max", 0.05, "the largest isometric force"),
+        ("optimal_fibre_length", 0.03, "the optimal fibre length"),
+        ("tendon_slack_length", 0.01, "the tendon slack length"),
+        ("v_max", 0.1, "the largest shortening velocity"),
+        ("tendon_strain", 0.1, "the strain of the tendon"),
+        ("passive_strain", 0.05, "the strain of the passive fibre"),
+        # what the curves of the paper have instead of strains
+        ("k", 0.1, "the stiffness of the tendon"),
+        ("k_P", 0.15, "the stiffness of the parallel element, the inverse cube of a strain"),
+    )
+}
+
+
+def doubts(pair: MusclePair, given: Mapping[str, float | str], usual: bool) -> dict[str, float]:
+    """Path such as muscle1.F_max → standard deviation in SI.
+
+    given: number of one muscle, or name of that of both → standard deviation, as `deviation` takes it. Where nothing is
+    given those of the muscle file count, and where it has none the usual ones; neither if not `usual`. ScenarioError
+    names what is unknown or no standard deviation.
+    """
+    known = _known(pair)
+    found: dict[str, float] = {}
+    if usual:
+        names = {path: path.rpartition(".")[2] for path in known}
+        found = {path: USUAL[name].default * abs(known[path][0]) for path, name in names.items() if name in USUAL}
+        found |= pair.sds
+        found |= {f"{name}.{key}": sd for name in MUSCLES for key, sd in getattr(pair, name).sds.items()}
+    # those of one muscle come before those of both
+    for name, sd in sorted(table("doubt", given).items(), key=lambda item: "." in item[0]):
+        paths = [path for path in known if name in (path, path.partition(".")[2])]
+        if not paths:
+            words = list(dict.fromkeys(path.rpartition(".")[2] for path in known))
+            near = difflib.get_close_matches(short(name), [*words, *known], n=3) or words
+            raise ScenarioError(f"unknown number {shown(name)} in doubt; the nearest are {', '.join(near)}")
+        found |= {path: deviation(path, sd, *known[path]) for path in paths}
+    return {path: found[path] for path in known if found.get(path)}
+
+
+def parse_doubt(typed: str) -> tuple[str, float | str]:
+    """NAME=SD as typed: a number, or a text such as 3% or 0.1mm. ScenarioError if it is not of that form."""
+    name, equals, sd = (part.strip() for part in typed.partition("="))
+    if not (name and equals and sd):
+        raise ScenarioError(f"{shown(typed)} is not NAME=SD, such as optimal_fibre_length=3% or force_bias=5N")
+    return name, float(sd) if NUMBER.fullmatch(sd) else sd
+
+
+def _known(pair: MusclePair) -> dict[str, tuple[float, str]]:
+    """All numbers that may be in doubt: path → value and unit. A bias is 0, else it would be corrected."""
+    known: dict[str, tuple[float, str]] = {}
+    for name in MUSCLES:
+        muscle = getattr(pair, name)
+        known |= {f"{name}.{key}": (getattr(muscle, key), parameter.unit) for key, parameter in SIZES.items()}
+        for key, parameter in numbers_of(muscle.curves).items():
+            known[f"{name}.{key}"] = muscle.numbers[key], parameter.unit
+        known[f"{name}.{FORCE_BIAS}"] = 0.0, _FORCE
+    known |= {key: (getattr(pair, key), parameter.unit) for key, parameter in PAIR.items()}
+    return {**known, POSITION_BIAS: (0.0, _POSITION)}

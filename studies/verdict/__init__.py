@@ -1,0 +1,1 @@
+"""Whether a recording and the numbers of its muscles can be believed."""

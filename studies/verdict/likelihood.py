@@ -1,0 +1,62 @@
+"""How likely a recording is with other muscles: of what was measured, in SI, so that all can be compared."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...model.arrays import Array
+from ..estimate.run import recorded
+from ..files.errors import RecordingError, ScenarioError
+from ..kalman.orders import Choice
+from ..kalman.record import Record, settled
+from ..kalman.run import causal_choices
+from ..laboratory.muscles import MusclePair
+from ..laboratory.scales import scales
+from .variants import Variant
+
+
+@dataclass(frozen=True)
+class Weight:
+    """log L of the forces and positions measured, per newton and metre, in the first and in the second pass."""
+
+    inputs: float
+    activations: float
+
+    @property
+    def says(self) -> bool:
+        """Whether the muscles' law helps at all: else their numbers are not in the likelihood."""
+        return self.activations > self.inputs
+
+
+def weight(record: Record, choices: tuple[Choice, Choice], pair: MusclePair) -> Weight:
+    """The weight of a recording whose densities have been found."""
+    first, second = (choice.fit.log_likelihood for choice in choices)
+    shift = _in_si(record, pair)
+    return Weight(first + shift, second + shift)
+
+
+def gains(
+    base: Weight, orders: Mapping[str, float], tried: Iterator[Variant]
+) -> Iterator[tuple[Variant, float | None]]:
+    """Each variant and how much likelier the recording is with it; None where it can be nothing at all."""
+    for variant in tried:
+        try:
+            _, record = recorded(variant.recording, variant.pair)
+        except (RecordingError, ScenarioError):
+            yield variant, None
+            continue
+        found = weight(record, causal_choices(record, orders), variant.pair)
+        yield variant, (found.inputs - base.inputs) if variant.mechanical else (found.activations - base.activations)
+
+
+def _in_si(record: Record, pair: MusclePair) -> float:
+    """What makes log L of lengths one of newtons and metres."""
+    counted = settled(record.table())[:, -1] > 0
+    s = scales(pair)
+    # p(F₁, F₂, position) = p(z₁, z₂, y₁)/(Φ′_S(z₁) Φ′_S(z₂) F₀² l₀)
+    per_sample = 2 * np.log(s.force) + np.log(s.length)
+    slopes: Array = np.log(record.slopes[counted]).sum(axis=1)
+    return -float(np.sum(slopes + per_sample))

@@ -1,0 +1,61 @@
+"""Recordings and muscles as they might be instead: what a likelihood is asked about."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+from ..laboratory.muscles import Muscle, MusclePair
+from ..laboratory.recording import Recording
+
+
+@dataclass(frozen=True)
+class Variant:
+    """`sentence` ends "the recording is likelier with …"; mechanical: muscles and their curves have no part in it."""
+
+    name: str
+    sentence: str
+    recording: Recording
+    pair: MusclePair
+    mechanical: bool = False
+    caution: float = 1.0  # times what another one must gain
+
+
+# number of a muscle → the factors that are tried, and what it is called
+_FACTORS = {
+    "optimal_fibre_length": ((0.95, 1.05), "optimal fibre lengths"),
+    "tendon_slack_length": ((0.98, 1.02), "tendon slack lengths"),
+    "F_max": ((0.5, 0.9, 1.1, 2.0), "F_max"),
+    "v_max": ((0.2, 0.5, 2.0, 5.0), "v_max"),
+}
+_MASSES = (0.1, 0.5, 2.0, 10.0)
+# from here on a factor is no percentage; a muscle so far from the file's must gain more to be named
+_TIMES, _CAUTION = 1.5, 2.0
+
+
+def variants(recording: Recording, pair: MusclePair) -> Iterator[Variant]:
+    """All that is tried, both muscles alike."""
+    for name, (factors, called) in _FACTORS.items():
+        for factor in factors:
+            first, second = (_scaled(muscle, name, factor) for muscle in (pair.muscle1, pair.muscle2))
+            other, caution = replace(pair, muscle1=first, muscle2=second), 1.0 if _is_close(factor) else _CAUTION
+            yield Variant(name, f"{called} {_by(factor)}", recording, other, False, caution)
+    for factor in _MASSES:
+        yield Variant("mass", f"a mass {_by(factor)}", recording, replace(pair, mass=pair.mass * factor), True)
+    swapped = replace(recording, force_1=recording.force_2, force_2=recording.force_1)
+    yield Variant("swapped", "the muscles swapped", swapped, pair, True)
+
+
+def _scaled(muscle: Muscle, name: str, factor: float) -> Muscle:
+    return replace(muscle, **{name: getattr(muscle, name) * factor})
+
+
+def _by(factor: float) -> str:
+    """`5 % larger`, or `2 times as large`."""
+    if not _is_close(factor):
+        return f"{factor:g} times as large"
+    return f"{abs(factor - 1):.0%} {'larger' if factor > 1 else 'smaller'}"
+
+
+def _is_close(factor: float) -> bool:
+    return 1 / _TIMES < factor < _TIMES

@@ -1,0 +1,127 @@
+"""The verdict: the right recording is not doubted, and each wrong one is, as what it is or may be."""
+
+import dataclasses
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import hillobs
+from hillobs.studies.laboratory.muscles import MusclePair, read_muscles
+from hillobs.studies.laboratory.recording import Recording, read_recording
+from hillobs.studies.verdict.run import Verdict
+from hillobs.studies.verdict.variants import variants
+from shipped_recording import MUSCLES, SHIPPED, part
+
+Given = tuple[Recording, MusclePair]
+
+
+@pytest.fixture(scope="module")
+def shipped() -> Given:
+    """The first four seconds."""
+    return part(read_recording(SHIPPED), slice(0, 800)), read_muscles(MUSCLES)
+
+
+def scaled(name: str, factor: float) -> Callable[[Recording, MusclePair], Given]:
+    def change(recording: Recording, pair: MusclePair) -> Given:
+        muscles = [dataclasses.replace(m, **{name: getattr(m, name) * factor}) for m in (pair.muscle1, pair.muscle2)]
+        return recording, dataclasses.replace(pair, muscle1=muscles[0], muscle2=muscles[1])
+
+    return change
+
+
+def measured(**columns: Callable[[Recording], np.ndarray]) -> Callable[[Recording, MusclePair], Given]:
+    def change(recording: Recording, pair: MusclePair) -> Given:
+        return dataclasses.replace(recording, **{name: of(recording) for name, of in columns.items()}), pair
+
+    return change
+
+
+def other_mass(factor: float) -> Callable[[Recording, MusclePair], Given]:
+    return lambda recording, pair: (recording, dataclasses.replace(pair, mass=pair.mass * factor))
+
+
+def other_curves(recording: Recording, pair: MusclePair) -> Given:
+    text = MUSCLES.read_text().replace("degroote_fregly2016", "thelen2003")
+    path = Path(recording.source).with_suffix(".toml")
+    path.write_text(text)
+    return recording, read_muscles(path)
+
+
+# what was done, and words of the sentence that must name it
+WRONG = {
+    "F_max": (scaled("F_max", 0.4), "F_max"),
+    "v_max": (scaled("v_max", 10.0), "v_max"),
+    "l0-long": (scaled("optimal_fibre_length", 1.05), "optimal fibre lengths 5% smaller"),
+    "l0-short": (scaled("optimal_fibre_length", 0.95), "optimal fibre lengths 5% larger"),
+    "slack-length": (scaled("tendon_slack_length", 1.02), "tendon slack lengths 2% smaller"),
+    "heavy": (other_mass(10.0), "a mass 0.1 times as large"),
+    "light": (other_mass(0.1), "a mass 10 times as large"),
+    "curves": (other_curves, "curves of another kind"),
+    "swapped": (measured(force_1=lambda r: r.force_2, force_2=lambda r: r.force_1), "the muscles swapped"),
+    "kilonewtons": (measured(force_1=lambda r: r.force_1 / 1e3, force_2=lambda r: r.force_2 / 1e3), "in kN"),
+    "millimetres": (measured(position=lambda r: r.position / 1e3), "in another unit, such as mm"),
+    "still": (measured(position=lambda r: 0 * r.position + 0.31), "stands still"),
+}
+QUICK = ("l0-long", "swapped", "kilonewtons", "millimetres", "still")
+
+
+def doubts(verdict: Verdict) -> str:
+    return "\n".join(finding.sentence for finding in verdict.findings if finding.doubtful)
+
+
+def test_the_right_recording_is_not_doubted(shipped: Given) -> None:
+    verdict = hillobs.verdict(*shipped)
+    assert doubts(verdict) == ""
+    assert verdict.quality == "good"
+    subjects = [finding.subject for finding in verdict.findings]
+    assert subjects[:4] == ["innovations", "form", "bias", "muscles"]
+    assert json.loads(json.dumps(verdict.as_dict(), allow_nan=False))["quality"] == "good"
+
+
+@pytest.mark.parametrize("name", [pytest.param(n, marks=[] if n in QUICK else pytest.mark.chaos) for n in WRONG])
+def test_what_is_wrong_is_named(name: str, shipped: Given, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    change, words = WRONG[name]
+    verdict = hillobs.verdict(*change(*shipped))
+    assert verdict.quality == "doubtful"
+    assert words in doubts(verdict), doubts(verdict)
+
+
+def test_what_is_tried_is_tried_up_and_down_and_of_both_muscles(shipped: Given) -> None:
+    recording, pair = shipped
+    tried = list(variants(recording, pair))
+    assert {variant.name for variant in tried} == {
+        "optimal_fibre_length", "tendon_slack_length", "F_max", "v_max", "mass", "swapped",
+    }  # fmt: skip
+    for name in ("optimal_fibre_length", "tendon_slack_length", "F_max", "v_max"):
+        usual = getattr(pair.muscle1, name)
+        ratios = [getattr(v.pair.muscle1, name) / usual for v in tried if v.name == name]
+        assert ratios == [getattr(v.pair.muscle2, name) / usual for v in tried if v.name == name]
+        assert min(ratios) < 1 < max(ratios)
+    swapped = tried[-1].recording
+    assert swapped.force_1 is recording.force_2
+
+
+def test_a_command_ends_with_the_verdict_and_writes_it(command, shipped: Given, tmp_path: Path) -> None:
+    rows = as_csv(shipped[0])
+    (tmp_path / "run.csv").write_text(rows)
+    given = ("estimate", "run.csv", "--muscles", str(MUSCLES), "--observer", "kalman", "--no-figures")
+    code, out, err = command(*given, "--json")
+    assert (code, err.count("verdict: nothing is doubted")) == (0, 1)
+    answer = json.loads(out)
+    assert answer["verdict"]["quality"] == "good"
+    result = hillobs.load(tmp_path / "estimates" / "estimates.nc")
+    assert result.attrs["quality"] == "good"
+    assert json.loads(result.attrs["verdict"]) == answer["verdict"]
+    code, out, _ = command(*given, "--no-verdict")
+    assert code == 0
+    assert "verdict" not in out
+    assert "quality" not in hillobs.load(tmp_path / "estimates" / "estimates.nc").attrs
+
+
+def as_csv(recording: Recording) -> str:
+    columns = zip(recording.time, recording.position, recording.force_1, recording.force_2, strict=True)
+    return "\n".join(["time,position,force_1,force_2", *(",".join(map(repr, map(float, row))) for row in columns)])
