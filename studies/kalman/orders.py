@@ -16,8 +16,8 @@ from .fit import Fit, fitted
 from .passes import compiled
 from .record import Record
 
-# another order must be likelier by more than chance makes it; one below the usual by this much of each sample, since
-# the likelihood looks one sample ahead only, where a rougher input is hardly worse
+# another order must be likelier by more than chance makes it; in the first pass a lower one by this much of each
+# sample, since the likelihood looks one sample ahead only, where a rougher input is hardly worse
 _GAIN, _ROUGHER = 3.0, 0.05
 _USUAL, _OTHERS = 2, (1, 3)
 # the least of the second pass's densities, in what they are at first: where they mean nothing
@@ -48,7 +48,8 @@ def chosen_inputs(record: Record, tables: Sequence[Array], by_hand: Mapping[str,
         numbers = before_a_fit(record, by_hand, order_D, order_u)
         return fitted(passes, tables, numbers, _free(OF_INPUTS, least, by_hand))
 
-    return _likeliest(fitting, _tried(by_hand, "order_D"), _tried(by_hand, "order_u"), _counted(tables))
+    rougher = max(_GAIN, _ROUGHER * sum(float(rows[:, -1].sum()) for rows in tables))
+    return _likeliest(fitting, _tried(by_hand, "order_D"), _tried(by_hand, "order_u"), rougher)
 
 
 def before_a_fit(
@@ -79,7 +80,7 @@ def chosen_activations(record: Record, tables: Sequence[Array], first: Choice, b
         numbers = {**defaults, **_known(first.fit.numbers, parameters), **own, **_known(by_hand, parameters)}
         return fitted(passes, tables, numbers, free)
 
-    choice = _likeliest(fitting, [order_D], _tried(by_hand, "order_a"), _counted(tables))
+    choice = _likeliest(fitting, [order_D], _tried(by_hand, "order_a"), _GAIN)
     # towards 0 the fixed point creeps, and log L hardly tells: it is asked for what the law leaves, or nothing
     others = {name: smallest for name, smallest in free.items() if name not in OF_LAW}
     exact = {**choice.fit.numbers, **{name: free[name] for name in OF_LAW if name in free}}
@@ -98,23 +99,22 @@ def manifest(choice: Choice) -> dict[str, Any]:
     }
 
 
-def _likeliest(fitting: Fitting, of_D: Sequence[int], of_second: Sequence[int], samples: float) -> Choice:
-    """The usual orders, first in both lists, unless others gain enough."""
+def _likeliest(fitting: Fitting, of_D: Sequence[int], of_second: Sequence[int], rougher: float) -> Choice:
+    """The usual orders, first in both lists, unless others gain enough; `rougher`: what orders below them must gain."""
     fits = {(of_D[0], second): fitting(of_D[0], second) for second in of_second}
-    best = _best(fits, samples)
+    best = _best(fits, rougher)
     fits |= {(order_D, best[1]): fitting(order_D, best[1]) for order_D in of_D[1:]}
-    best = _best({best: fits[best], **fits}, samples)
+    best = _best({best: fits[best], **fits}, rougher)
     return Choice(best, fits[best], {orders: fit.log_likelihood for orders, fit in fits.items()})
 
 
-def _best(fits: Mapping[tuple[int, int], Fit], samples: float) -> tuple[int, int]:
+def _best(fits: Mapping[tuple[int, int], Fit], rougher: float) -> tuple[int, int]:
     """The likeliest orders of those that gain enough over the first."""
     first = next(iter(fits))
 
     def gain(orders: tuple[int, int]) -> float:
-        rougher = any(order < usual for order, usual in zip(orders, first, strict=True))
-        needed = max(_GAIN, _ROUGHER * samples) if rougher else _GAIN
-        return fits[orders].log_likelihood - fits[first].log_likelihood - needed
+        below = any(order < usual for order, usual in zip(orders, first, strict=True))
+        return fits[orders].log_likelihood - fits[first].log_likelihood - (rougher if below else _GAIN)
 
     best = max(fits, key=gain)
     return best if gain(best) > 0 else first
@@ -126,10 +126,6 @@ def _tried(by_hand: Mapping[str, float], name: str) -> list[int]:
 
 def _free(names: Sequence[str], least: Mapping[str, float], by_hand: Mapping[str, float]) -> dict[str, float]:
     return {name: least[name] for name in names if name not in by_hand}
-
-
-def _counted(tables: Sequence[Array]) -> float:
-    return float(sum(rows[:, -1].sum() for rows in tables))
 
 
 def _known(numbers: Mapping[str, float], names: Mapping[str, object]) -> dict[str, float]:

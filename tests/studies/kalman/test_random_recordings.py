@@ -20,7 +20,7 @@ pytestmark = pytest.mark.numerics
 FEW, SECONDS, SLOWLY = 6, 4.0, (100.0,)
 # of these few, those with activations that a line through Hill's law follows without a rest
 LAWFUL = (0, 1, 4)
-MANY = range(1000, 1064)
+MANY, FASTER = range(1000, 1064), (100.0, 200.0)
 # 95 % of a normal distribution are within so many standard deviations
 BAND = 1.96
 # what a band may cover: errors are correlated, so that 8 s have few independent ones
@@ -34,7 +34,7 @@ def few() -> list[Drawn]:
 
 @functools.cache
 def many() -> list[Drawn]:
-    return [drawn(seed) for seed in MANY]
+    return [drawn(seed, rates=FASTER) for seed in MANY]
 
 
 def followed(one: Drawn, smooth: bool, form: str = "auto") -> xr.Dataset:

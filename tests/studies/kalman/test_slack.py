@@ -8,7 +8,7 @@ import pytest
 import hillobs
 from hillobs.model.arrays import Array
 from hillobs.model.curves import CURVES
-from hillobs.studies.laboratory.muscles import SCALED, Muscle, MusclePair
+from hillobs.studies.laboratory.muscles import Muscle, MusclePair, numbers_of
 from hillobs.studies.laboratory.recording import Recording
 from hillobs.studies.laboratory.scales import scales
 from independent.muscle import Phi_S
@@ -30,7 +30,7 @@ CURVE_SET = CURVES["nguyen2019"]
 
 def pair() -> MusclePair:
     """The paper's pair, m = 1 and C = 5.54, in SI."""
-    numbers = {name: parameter.default for name, parameter in CURVE_SET.parameters.items() if name not in SCALED}
+    numbers = {name: parameter.default for name, parameter in numbers_of(CURVE_SET).items()}
     muscle = Muscle(CURVE_SET, FORCE, LENGTH, 2.0 * LENGTH, RATE, numbers)
     return MusclePair(1.0 * FORCE / (LENGTH * RATE**2), 5.54 * LENGTH, muscle, muscle)
 
