@@ -66,12 +66,10 @@ def before_a_fit(
 def chosen_activations(record: Record, tables: Sequence[Array], first: Choice, by_hand: Mapping[str, float]) -> Choice:
     """The model of the second pass; the tables are linear about the first."""
     passes, parameters = compiled(ACTIVATIONS_MODEL), ACTIVATIONS_MODEL.parameters
-    sizes, T = resolved(record.sizes, record.T), record.T
-    order_D = int(by_hand.get("order_D", _USUAL))
-    s_D = densities(sizes, T, order_D)["s_D"] if first.orders[0] != order_D else first.fit.numbers["s_D"]
-
+    # Δ_Φ is the same in both passes, and so is its order
+    order_D, s_D = first.orders[0], first.fit.numbers["s_D"]
     least = {name: _LEAST * parameters[name].default for name in OF_ACTIVATIONS}
-    least["s_D"] = least_densities(sizes, T, order_D, _USUAL)["s_D"]
+    least["s_D"] = least_densities(resolved(record.sizes, record.T), record.T, order_D, _USUAL)["s_D"]
     free = _free(OF_ACTIVATIONS, least, by_hand)
 
     def fitting(order_D: int, order_a: int) -> Fit:
