@@ -53,7 +53,7 @@ imports: $(VENV)/.installed ## do imports go down the stair only? (contracts in 
 observability: $(VENV)/.installed ## ranks, maps and figures of docs/observability.md
 	$(BIN)/python -m hillobs.studies.cli.pages.observability
 
-chaos: $(VENV)/.installed ## long fault injection: kills, full disks, races
+chaos: $(VENV)/.installed ## long tests: kills, full disks, races, many drawn recordings
 	$(BIN)/python -m pytest -m chaos -p no:cacheprovider
 
 # SEED=1 draws others, CASES=200 fewer, CASE=17 one of them again

@@ -39,7 +39,9 @@ ABOUT = tuple(hat(name) for name in ("x1", "x3", "x4", "a1", "a2"))
 # velocities about which the law is linear, in the largest; slopes ∂a/∂u below this are taken for it
 _SLOWEST, _FASTEST, _LEAST_SLOPE = -1.5, 0.9, 0.02
 
-DENSITIES = ("s_D", "s_a1", "s_a2", "s_x3", "s_x4")
+# what the line through Hill's law leaves: nothing, where that holds
+OF_LAW = ("s_x3", "s_x4")
+DENSITIES = ("s_D", "s_a1", "s_a2", *OF_LAW)
 PARAMETERS: Parameters = {
     **NOISE,
     "s_D": OF_INPUTS["s_D"],

@@ -17,6 +17,7 @@ from ..files.progress import Progress
 from ..kalman.orders import Choice, manifest
 from ..kalman.record import Record, refuse_short
 from ..kalman.run import ACTIVATIONS, How, Passed, passed
+from ..kalman.tendons import about_estimates
 from .case import Case, Result
 
 
@@ -43,7 +44,9 @@ def fitted_result(case: Case, block: Block, numbers: Mapping[str, float], progre
 
 def record_of(case: Case, numbers: Mapping[str, float]) -> Record:
     """A recording as the filter's passes take it; numbers: values of the filter's parameters by name."""
-    return Record(case.tau, case.y, case.z, case.slopes, ~case.gaps, numbers, case.sizes, case.period, case.pair.curves)
+    return about_estimates(
+        Record(case.tau, case.y, case.z, case.slopes, ~case.gaps, numbers, case.sizes, case.period, case.pair.curves)
+    )
 
 
 # numbers of the models that are found, or asked for; the others are the muscles', or start the filter

@@ -14,9 +14,10 @@ from ...model.block import Block
 from ...model.curves import Curves
 from ...observers.activation import activation_estimate
 from ...observers.kalman.activations import linear_law
+from ...observers.slopes import tendon_lines
 from ...observers.spread import spread
 
-ACTIVATION, SPREAD, LAW = "activation", "spread", "linear_law"
+ACTIVATION, SPREAD, LAW, TENDONS = "activation", "spread", "linear_law", "tendon_lines"
 
 
 class CompiledMuscles:
@@ -24,12 +25,13 @@ class CompiledMuscles:
 
     def __init__(self, curves: Curves) -> None:
         self._blocks = {
-            block.name: block for block in (activation_estimate(curves), spread(curves), linear_law(curves))
+            block.name: block
+            for block in (activation_estimate(curves), spread(curves), linear_law(curves), tendon_lines(curves))
         }
         self._library = compile_functions([_function(block) for block in self._blocks.values()])
 
     def outputs(self, name: str, numbers: Mapping[str, float], given: Mapping[str, Array]) -> dict[str, Array]:
-        """Outputs and guards (n) by name, of ACTIVATION, SPREAD or LAW; numbers, given: by the names it knows."""
+        """Outputs and guards (n) by name, of one of the four above; numbers, given: by the names it knows."""
         block = self._blocks[name]
         columns = np.stack([given[port] for port in block.u], axis=-1)
         (results,) = self._library.call(name, columns, [numbers[number] for number in block.p])

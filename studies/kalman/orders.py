@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from ...model.arrays import Array
-from ...observers.kalman.activations import ACTIVATIONS_MODEL
+from ...observers.kalman.activations import ACTIVATIONS_MODEL, OF_LAW
 from ...observers.kalman.activations import DENSITIES as OF_ACTIVATIONS
 from ...observers.kalman.inputs import DENSITIES as OF_INPUTS
 from ...observers.kalman.inputs import INPUTS_MODEL
@@ -16,8 +16,8 @@ from .fit import Fit, fitted
 from .passes import compiled
 from .record import Record
 
-# another order must be likelier by more than chance makes it; one below the usual by this much of each sample, since
-# the likelihood looks one sample ahead only, where a rougher input is hardly worse
+# another order must be likelier by more than chance makes it; in the first pass a lower one by this much of each
+# sample, since the likelihood looks one sample ahead only, where a rougher input is hardly worse
 _GAIN, _ROUGHER = 3.0, 0.05
 _USUAL, _OTHERS = 2, (1, 3)
 # the least of the second pass's densities, in what they are at first: where they mean nothing
@@ -41,34 +41,50 @@ def chosen_inputs(record: Record, tables: Sequence[Array], by_hand: Mapping[str,
 
     by_hand: name → value of what is to stay as it is.
     """
-    sizes, T, passes = resolved(record.sizes, record.T), record.T, compiled(INPUTS_MODEL)
+    passes = compiled(INPUTS_MODEL)
 
     def fitting(order_D: int, order_u: int) -> Fit:
-        least = least_densities(sizes, T, order_D, order_u)
-        start = {name: max(value, least[name]) for name, value in densities(sizes, T, order_D, order_u).items()}
-        orders = {"order_D": float(order_D), "order_u": float(order_u)}
-        numbers = {**record.numbers, **noise(record.sizes, T), **start, **orders, **by_hand}
+        least = least_densities(resolved(record.sizes, record.T), record.T, order_D, order_u)
+        numbers = before_a_fit(record, by_hand, order_D, order_u)
         return fitted(passes, tables, numbers, _free(OF_INPUTS, least, by_hand))
 
-    return _likeliest(fitting, _tried(by_hand, "order_D"), _tried(by_hand, "order_u"), _counted(tables))
+    rougher = max(_GAIN, _ROUGHER * sum(float(rows[:, -1].sum()) for rows in tables))
+    return _likeliest(fitting, _tried(by_hand, "order_D"), _tried(by_hand, "order_u"), rougher)
+
+
+def before_a_fit(
+    record: Record, by_hand: Mapping[str, float], order_D: int = _USUAL, order_u: int = _USUAL
+) -> dict[str, float]:
+    """The numbers of the first pass with densities as the sizes of the recording let expect them."""
+    sizes, T = resolved(record.sizes, record.T), record.T
+    least = least_densities(sizes, T, order_D, order_u)
+    start = {name: max(value, least[name]) for name, value in densities(sizes, T, order_D, order_u).items()}
+    orders = {"order_D": float(order_D), "order_u": float(order_u)}
+    return {**record.numbers, **noise(record.sizes, T), **start, **orders, **by_hand}
 
 
 def chosen_activations(record: Record, tables: Sequence[Array], first: Choice, by_hand: Mapping[str, float]) -> Choice:
     """The model of the second pass; the tables are linear about the first."""
     passes, parameters = compiled(ACTIVATIONS_MODEL), ACTIVATIONS_MODEL.parameters
-    sizes, T = resolved(record.sizes, record.T), record.T
-    order_D = int(by_hand.get("order_D", _USUAL))
-    s_D = densities(sizes, T, order_D)["s_D"] if first.orders[0] != order_D else first.fit.numbers["s_D"]
+    # Δ_Φ is the same in both passes, and so is its order
+    order_D, s_D = first.orders[0], first.fit.numbers["s_D"]
+    least = {name: _LEAST * parameters[name].default for name in OF_ACTIVATIONS}
+    least["s_D"] = least_densities(resolved(record.sizes, record.T), record.T, order_D, _USUAL)["s_D"]
+    free = _free(OF_ACTIVATIONS, least, by_hand)
 
     def fitting(order_D: int, order_a: int) -> Fit:
         defaults = {name: parameter.default for name, parameter in parameters.items()}
-        least = {name: _LEAST * parameters[name].default for name in OF_ACTIVATIONS}
-        least["s_D"] = least_densities(sizes, T, order_D, _USUAL)["s_D"]
         own = {"s_D": max(s_D, least["s_D"]), "order_D": float(order_D), "order_a": float(order_a)}
         numbers = {**defaults, **_known(first.fit.numbers, parameters), **own, **_known(by_hand, parameters)}
-        return fitted(passes, tables, numbers, _free(OF_ACTIVATIONS, least, by_hand))
+        return fitted(passes, tables, numbers, free)
 
-    return _likeliest(fitting, [order_D], _tried(by_hand, "order_a"), _counted(tables))
+    choice = _likeliest(fitting, [order_D], _tried(by_hand, "order_a"), _GAIN)
+    # towards 0 the fixed point creeps, and log L hardly tells: it is asked for what the law leaves, or nothing
+    others = {name: smallest for name, smallest in free.items() if name not in OF_LAW}
+    exact = {**choice.fit.numbers, **{name: free[name] for name in OF_LAW if name in free}}
+    without = fitted(passes, tables, exact, others)
+    better = max((without, choice.fit), key=lambda fit: fit.log_likelihood)
+    return replace(choice, fit=replace(better, passes=choice.fit.passes + without.passes))
 
 
 def manifest(choice: Choice) -> dict[str, Any]:
@@ -81,23 +97,22 @@ def manifest(choice: Choice) -> dict[str, Any]:
     }
 
 
-def _likeliest(fitting: Fitting, of_D: Sequence[int], of_second: Sequence[int], samples: float) -> Choice:
-    """The usual orders, first in both lists, unless others gain enough."""
+def _likeliest(fitting: Fitting, of_D: Sequence[int], of_second: Sequence[int], rougher: float) -> Choice:
+    """The usual orders, first in both lists, unless others gain enough; `rougher`: what orders below them must gain."""
     fits = {(of_D[0], second): fitting(of_D[0], second) for second in of_second}
-    best = _best(fits, samples)
+    best = _best(fits, rougher)
     fits |= {(order_D, best[1]): fitting(order_D, best[1]) for order_D in of_D[1:]}
-    best = _best({best: fits[best], **fits}, samples)
+    best = _best({best: fits[best], **fits}, rougher)
     return Choice(best, fits[best], {orders: fit.log_likelihood for orders, fit in fits.items()})
 
 
-def _best(fits: Mapping[tuple[int, int], Fit], samples: float) -> tuple[int, int]:
+def _best(fits: Mapping[tuple[int, int], Fit], rougher: float) -> tuple[int, int]:
     """The likeliest orders of those that gain enough over the first."""
     first = next(iter(fits))
 
     def gain(orders: tuple[int, int]) -> float:
-        rougher = any(order < usual for order, usual in zip(orders, first, strict=True))
-        needed = max(_GAIN, _ROUGHER * samples) if rougher else _GAIN
-        return fits[orders].log_likelihood - fits[first].log_likelihood - needed
+        below = any(order < usual for order, usual in zip(orders, first, strict=True))
+        return fits[orders].log_likelihood - fits[first].log_likelihood - (rougher if below else _GAIN)
 
     best = max(fits, key=gain)
     return best if gain(best) > 0 else first
@@ -109,10 +124,6 @@ def _tried(by_hand: Mapping[str, float], name: str) -> list[int]:
 
 def _free(names: Sequence[str], least: Mapping[str, float], by_hand: Mapping[str, float]) -> dict[str, float]:
     return {name: least[name] for name in names if name not in by_hand}
-
-
-def _counted(tables: Sequence[Array]) -> float:
-    return float(sum(rows[:, -1].sum() for rows in tables))
 
 
 def _known(numbers: Mapping[str, float], names: Mapping[str, object]) -> dict[str, float]:
