@@ -7,7 +7,7 @@ from functools import partial
 
 import numpy as np
 
-from hillobs.studies.cli.terminal import bar, complain, print_table, user_errors
+from hillobs.studies.cli.shell.terminal import bar, complain, print_table, user_errors
 
 from . import report, scaling
 from .contenders import Contender, contenders

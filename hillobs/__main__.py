@@ -6,7 +6,7 @@ import re
 import sys
 
 from .codegen.system.room import has_room
-from .studies.cli.stopping import stoppable
+from .studies.cli.shell.stopping import stoppable
 
 # bytes of address space that a command takes before it has done anything, most of them for libraries
 _LEAST = 500_000_000

@@ -14,9 +14,10 @@ from ..model.limits import limits
 from ..model.skeleton import LENGTH
 from ..model.symbols import hat
 from ..model.wiring import rename, wire
-from .activation import activation_estimate
 from .adaptive_sliding_mode import ADAPTIVE_SLIDING_MODE
 from .baseline import baseline
+from .behind.activation import activation_estimate
+from .behind.spread import COVARIANCES, SPREADS, spread
 from .high_gain import HIGH_GAIN
 from .high_gain_3 import HIGH_GAIN_3
 from .kalman.constant import KALMAN_CONSTANT
@@ -25,7 +26,6 @@ from .observer import Observer
 from .ports import ESTIMATES, INPUTS
 from .sliding_mode import SLIDING_MODE
 from .slopes import SLOPES, tendon_slopes
-from .spread import COVARIANCES, SPREADS, spread
 from .tendons import tendons
 
 # figures choose their lines in this order: append new ones

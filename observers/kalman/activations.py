@@ -16,9 +16,9 @@ from ...model.curves import NGUYEN2019, Curves
 from ...model.dialect import clamp
 from ...model.skeleton import MASS
 from ...model.symbols import STATES, hat
-from ..activation import activation_parameters, formulas
+from ..behind.activation import activation_parameters, formulas
+from ..behind.spread import SPREADS, sd
 from ..ports import ESTIMATES
-from ..spread import SPREADS, sd
 from .exponential import driven
 from .inputs import PARAMETERS as OF_INPUTS
 from .inputs import SAMPLE, measurements

@@ -8,9 +8,9 @@ import casadi as ca
 
 from ...model.block import Parameter, Parameters, Symbols
 from ...model.skeleton import MASS
+from ..behind.spread import COVARIANCES
 from ..ports import ESTIMATES
 from ..slopes import SLOPES
-from ..spread import COVARIANCES
 from ..tendons import LENGTHS
 from .model import Measurement, Model, Move
 from .motion import Motion

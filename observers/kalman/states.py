@@ -8,7 +8,7 @@ import casadi as ca
 
 from ...model.block import Symbols
 from ...model.symbols import STATES, hat
-from ..spread import entry
+from ..behind.spread import entry
 
 # the longest chain: an input, its rate, the rate of that
 LONGEST = 3

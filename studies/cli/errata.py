@@ -6,7 +6,7 @@ import click
 
 from ..errata.run import errata as study
 from .reports.errata import tables
-from .terminal import bar, print_table
+from .shell.terminal import bar, print_table
 
 
 @click.command()

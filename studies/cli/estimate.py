@@ -24,7 +24,11 @@ from ..laboratory.recording import read_recording
 from ..scenarios.layers import Value
 from ..scenarios.observers import observers_named
 from ..verdict.run import verdict
-from .options import (
+from .reports.estimates.estimate import failures, notes, score_table, timing
+from .reports.estimates.estimate_page import estimate_page
+from .reports.estimates.verdict import answer, sentences
+from .reports.written import written
+from .shell.options import (
     corrected_option,
     doubt_option,
     mapping_option,
@@ -33,12 +37,8 @@ from .options import (
     set_option,
     whole_option,
 )
-from .own_observers import loaded
-from .reports.estimate import failures, notes, score_table, timing
-from .reports.estimate_page import estimate_page
-from .reports.verdict import answer, sentences
-from .reports.written import written
-from .terminal import NUMERICAL, bar, complain, print_table, say
+from .shell.own_observers import loaded
+from .shell.terminal import NUMERICAL, bar, complain, print_table, say
 
 # what the figures begin with
 _STEM = "estimates"

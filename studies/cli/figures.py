@@ -18,7 +18,7 @@ from ..files.writing import writable_folder
 from ..simulate.schema import check_run
 from ..sweep.schema import check_sweep
 from .reports.written import written
-from .terminal import say
+from .shell.terminal import say
 
 # the variable that only a run has, or a sweep, or estimates
 _CHECKS = {"x_hat": check_run, "failed_at": check_sweep, "activation_hat": check_estimates}

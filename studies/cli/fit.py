@@ -10,10 +10,10 @@ from ..estimate.fit import fitted
 from ..files.writing import refuse_overwriting, writable_folder, write_whole
 from ..laboratory.mapping import read_mapping
 from ..scenarios.layers import Value
-from .options import mapping_option, set_option
-from .reports.fit import scenario_file, sentences
+from .reports.estimates.fit import scenario_file, sentences
 from .reports.written import written
-from .terminal import bar, say
+from .shell.options import mapping_option, set_option
+from .shell.terminal import bar, say
 
 
 @click.command()

@@ -6,10 +6,10 @@ import click
 
 from ...codegen.cache import clean_cache
 from ..scenarios.show import show as as_toml
-from .options import scenario_argument
 from .reports.listing import information, listing, sources
 from .reports.number import counted
-from .terminal import say
+from .shell.options import scenario_argument
+from .shell.terminal import say
 
 
 @click.command()

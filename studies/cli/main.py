@@ -14,7 +14,7 @@ from typing import TextIO
 import click
 
 from ..files.reading import remembered_reading
-from .terminal import USAGE, complain, say, user_errors
+from .shell.terminal import USAGE, complain, say, user_errors
 
 _READER_GONE = 141
 

@@ -24,10 +24,10 @@ from ..observability.point import answer, start_point
 from ..observability.question import Question, pose
 from ..scenarios.layers import Value
 from ..scenarios.prepare import prepare
-from .options import scenario_argument, set_option, whole_option
 from .reports.observability import answer_as_json, answer_table, details, ranks_along, ranks_over, summary
 from .reports.written import written
-from .terminal import bar, complain, print_table, say
+from .shell.options import scenario_argument, set_option, whole_option
+from .shell.terminal import bar, complain, print_table, say
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

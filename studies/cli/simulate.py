@@ -17,11 +17,11 @@ from ..scenarios.prepare import prepare
 from ..scenarios.scenario import parse_change
 from ..simulate.files import run_paths, save
 from ..simulate.run import RunWarning, simulate_prepared
-from .options import corrected_option, observer_option, scenarios_argument, set_option
-from .own_observers import loaded
 from .reports.simulate import failures, notes, tables
 from .reports.written import written
-from .terminal import NUMERICAL, bar, complain, print_table, say
+from .shell.options import corrected_option, observer_option, scenarios_argument, set_option
+from .shell.own_observers import loaded
+from .shell.terminal import NUMERICAL, bar, complain, print_table, say
 
 _PAPER = ("paper-clean", "paper-noisy")
 

@@ -22,12 +22,12 @@ from ..scenarios.layers import Value
 from ..sweep.axes import DESIGNS, Values
 from ..sweep.plan import MANY_RUNS, plan
 from ..sweep.run import engine, sweep_planned
-from .options import corrected_option, observer_option, over_option, scenario_argument, set_option, whole_option
-from .own_observers import loaded
-from .pace import Pace
 from .reports.sweep import notes, step_table, tables
-from .stopping import Stopped
-from .terminal import NUMERICAL, bar, counting, print_table, say
+from .shell.options import corrected_option, observer_option, over_option, scenario_argument, set_option, whole_option
+from .shell.own_observers import loaded
+from .shell.pace import Pace
+from .shell.stopping import Stopped
+from .shell.terminal import NUMERICAL, bar, counting, print_table, say
 
 
 @click.command()

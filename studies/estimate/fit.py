@@ -23,9 +23,9 @@ from ..scenarios.layers import Value, layers, shipped
 from ..scenarios.paths import paths_of
 from ..scenarios.prepare import prepare
 from ..simulate.run import simulate_prepared
-from .first_pass import first_pass
 from .follow import compiled_bank, follower_bank, lengths_block, measured_tendons
 from .run import KALMAN, estimate
+from .sizes.first_pass import first_pass
 
 # what is found; what is measured alone, the noise, goes with it
 _FOUND = ("sigma_1", "sigma_F1", "sigma_F2", "s_D", "s_u1", "s_u2", "order_D", "order_u")

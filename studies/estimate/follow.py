@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...codegen.bank import Bank
-from ...codegen.filters import CompiledBank, Filter
+from ...codegen.recordings.filters import CompiledBank, Filter
 from ...codegen.stepper import STAGES
 from ...model.arrays import Array
 from ...model.block import Block, Symbols, symbols

@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 
 from ...codegen.bank import Bank
-from ...codegen.filters import CompiledBank
+from ...codegen.recordings.filters import CompiledBank
 from ...model.arrays import Array
 from ...model.block import Block
 from ...model.symbols import MEASURED, hat
@@ -38,7 +38,6 @@ from .bands.muscle import compile_sensitivities
 from .case import Case, Result, Settings
 from .conditions import gain_conditions
 from .dataset import estimate_dataset
-from .first_pass import compile_first_pass, first_pass
 from .fitted import fitted_result, record_of
 from .follow import (
     compiled_bank,
@@ -48,6 +47,7 @@ from .follow import (
     lengths_block,
     measured_tendons,
 )
+from .sizes.first_pass import compile_first_pass, first_pass
 from .substeps import substeps
 
 # periods of the muscles' own time 1/v_max between samples beyond which nothing can be followed

@@ -12,10 +12,10 @@ from ...codegen.library import compile_functions
 from ...model.arrays import Array
 from ...model.block import Block
 from ...model.curves import Curves
-from ...observers.activation import activation_estimate
+from ...observers.behind.activation import activation_estimate
+from ...observers.behind.spread import spread
 from ...observers.kalman.activations import linear_law
 from ...observers.slopes import tendon_lines
-from ...observers.spread import spread
 
 ACTIVATION, SPREAD, LAW, TENDONS = "activation", "spread", "linear_law", "tendon_lines"
 

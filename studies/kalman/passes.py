@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...codegen.scans import Scans
+from ...codegen.recordings.scans import Scans
 from ...model.arrays import Array
 from ...model.block import symbols
 from ...observers.kalman.model import Model

@@ -12,7 +12,7 @@ from ...codegen.batch import Trace
 from ...codegen.failure import Failure
 from ...model.arrays import Array
 from ...model.symbols import MEASURED, QUANTITIES, SIGNALS, STATES, hat
-from ...observers.spread import SPREADS, sd
+from ...observers.behind.spread import SPREADS, sd
 from ..files.versions import versions
 from ..scenarios.paths import RUN, block_paths
 from ..scenarios.prepare import BASELINE, Prepared

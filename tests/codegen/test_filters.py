@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hillobs.codegen.bank import Bank
-from hillobs.codegen.filters import CompiledBank
+from hillobs.codegen.recordings.filters import CompiledBank
 from hillobs.model.block import Block, Symbols, symbols
 from hillobs.model.curves import NGUYEN2019
 from hillobs.observers import OBSERVERS

@@ -14,8 +14,8 @@ import pytest
 
 from hillobs.codegen.batch import compile_loop
 from hillobs.codegen.export import Source, export_functions
-from hillobs.codegen.filters import export_bank
 from hillobs.codegen.loop import Loop, export_loop
+from hillobs.codegen.recordings.filters import export_bank
 from hillobs.codegen.toolchain import NATIVE, Compiler, find_compiler, target_flags
 from hillobs.model.curves import NGUYEN2019
 from hillobs.model.pair import DRIVES

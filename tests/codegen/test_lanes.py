@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from hillobs.codegen.batch import CompiledLoop, Outcome, compile_loop
-from hillobs.codegen.filters import CompiledBank
+from hillobs.codegen.recordings.filters import CompiledBank
 from hillobs.codegen.toolchain import NATIVE
 from hillobs.model.arrays import Array
 from hillobs.studies.scenarios.prepare import BASELINE, Prepared, prepare

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from hillobs.codegen.bank import Bank
-from hillobs.codegen.filters import CompiledBank
+from hillobs.codegen.recordings.filters import CompiledBank
 from hillobs.model.block import Block, Symbols, symbols
 from hillobs.observers import OBSERVERS
 from hillobs.observers.adaptive_sliding_mode import PARAMETERS as ADAPTIVE

@@ -12,16 +12,16 @@ from hypothesis import strategies as st
 from scipy.linalg import expm
 
 from hillobs.codegen.bank import Bank
-from hillobs.codegen.filters import CompiledBank
+from hillobs.codegen.recordings.filters import CompiledBank
 from hillobs.model.block import Block, Symbols
 from hillobs.model.wiring import rename, wire
 from hillobs.observers import estimator
+from hillobs.observers.behind.spread import COVARIANCES, SPREADS, entry, spread
 from hillobs.observers.kalman.constant import KALMAN_CONSTANT, butterworth
 from hillobs.observers.kalman.filter import kalman
 from hillobs.observers.kalman.motion import Motion
 from hillobs.observers.kalman.states import ENTRIES, INDEX, MEAN, QUANTITIES
 from hillobs.observers.slopes import tendon_slopes
-from hillobs.observers.spread import COVARIANCES, SPREADS, entry, spread
 from hillobs.observers.tendons import tendons
 from independent import kalman as independent
 from independent.kalman import Model

@@ -14,8 +14,8 @@ from ...files.writing import refuse_overwriting, writable_folder
 from ...sweep.axes import Range, axes
 from ...sweep.run import sweep
 from ..reports.sweep import notes, tables
-from ..stopping import stoppable
-from ..terminal import print_table, say, user_errors
+from ..shell.stopping import stoppable
+from ..shell.terminal import print_table, say, user_errors
 
 _TRIO = {
     "high_gain.eps_h": Range(0.02, 0.5, 25, logarithmic=True),

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ....model.arrays import Array
 from ....model.symbols import STATES
-from ....observers.spread import FIBRES, sd
+from ....observers.behind.spread import FIBRES, sd
 from ..case import Case, Result
 from .muscle import muscle_parts
 from .taut import taut

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 from ....model.block import Parameter, Parameters
 from ....model.symbols import MUSCLES
-from ....observers.sensitivity import FORCE_BIAS
+from ....observers.behind.sensitivity import FORCE_BIAS
 from ...files.errors import ScenarioError
 from ...files.numbers import NUMBER
 from ...files.quote import short, shown, table

@@ -15,8 +15,8 @@ from ....model.arrays import Array
 from ....model.curves import Curves, CurveSet, by_muscle
 from ....model.skeleton import lengths, pull
 from ....model.symbols import MUSCLES, hat
-from ....observers.activation import LIMITS
-from ....observers.sensitivity import FORCE_BIAS, LENGTH_BIAS, MUSCLE_ESTIMATES, numbers, sensitivities
+from ....observers.behind.activation import LIMITS
+from ....observers.behind.sensitivity import FORCE_BIAS, LENGTH_BIAS, MUSCLE_ESTIMATES, numbers, sensitivities
 from ...laboratory.muscles import SCALED, Muscle
 from ..case import Case, Result
 from .doubt import POSITION_BIAS

@@ -7,7 +7,7 @@ import sys
 import pytest
 
 from hillobs.codegen.system import room
-from hillobs.studies.cli import terminal
+from hillobs.studies.cli.shell import terminal
 from hillobs.studies.files.errors import ScenarioError
 
 MB = 1_000_000

@@ -12,7 +12,7 @@ import hillobs
 from command_line import CHANGED, SHORT
 from hillobs.model.curves import DEGROOTE_FREGLY2016
 from hillobs.observers import OBSERVERS
-from hillobs.studies.cli.own_observers import loaded
+from hillobs.studies.cli.shell.own_observers import loaded
 from hillobs.studies.estimate.follow import fitted_blocks, follower_bank
 from hillobs.studies.scenarios.prepare import prepare
 from hillobs.studies.sweep.cluster.plan_text import plan_of, text_of

@@ -70,7 +70,7 @@ except BaseException as error:
 
 PROGRAM = """
 import atexit, concurrent.futures, ctypes, os, signal, time, weakref
-from hillobs.studies.cli import stopping
+from hillobs.studies.cli.shell import stopping
 
 def stop(number=signal.{name}):
     os.kill(os.getpid(), number)

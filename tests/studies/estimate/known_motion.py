@@ -9,7 +9,7 @@ import numpy as np
 from hillobs.model.block import Block
 from hillobs.observers import OBSERVERS
 from hillobs.observers.observer import Sizes
-from hillobs.studies.estimate.first_pass import first_pass
+from hillobs.studies.estimate.sizes.first_pass import first_pass
 from hillobs.studies.estimate.substeps import substeps
 from hillobs.studies.scenarios.paths import paths_of
 

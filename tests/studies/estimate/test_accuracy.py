@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 
 from hillobs.model.block import Symbols
-from hillobs.studies.cli.reports.estimate import failures, notes
+from hillobs.studies.cli.reports.estimates.estimate import failures, notes
 from hillobs.studies.estimate.run import estimate
 from hillobs.studies.laboratory.muscles import MusclePair, read_muscles
 from hillobs.studies.laboratory.recording import read_recording

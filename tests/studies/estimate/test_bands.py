@@ -10,7 +10,7 @@ import xarray as xr
 from scipy.stats import norm, qmc
 
 from hillobs.model.curves import CURVES
-from hillobs.studies.cli.reports.estimate import notes
+from hillobs.studies.cli.reports.estimates.estimate import notes
 from hillobs.studies.estimate.bands.doubt import USUAL
 from hillobs.studies.estimate.run import estimate
 from hillobs.studies.estimate.scores import SETTLED, WITHIN_95

@@ -11,13 +11,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hillobs.codegen.bank import Bank
-from hillobs.codegen.filters import CompiledBank
+from hillobs.codegen.recordings.filters import CompiledBank
 from hillobs.model.block import Block, Symbols, symbols
 from hillobs.observers import OBSERVERS
 from hillobs.observers.adaptive_sliding_mode import PARAMETERS as ADAPTIVE
 from hillobs.observers.observer import Sizes
 from hillobs.observers.slopes import SLOPES
-from hillobs.studies.estimate.first_pass import first_pass
+from hillobs.studies.estimate.sizes.first_pass import first_pass
 from known_motion import SIGMA, block_of, looked_at, recorded, rms, steps
 from places import DATA
 

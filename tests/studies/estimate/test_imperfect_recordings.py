@@ -9,7 +9,7 @@ import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hillobs.studies.cli.reports.estimate import failures, notes
+from hillobs.studies.cli.reports.estimates.estimate import failures, notes
 from hillobs.studies.estimate.run import estimate
 from hillobs.studies.estimate.scores import scores
 from hillobs.studies.files.errors import RecordingError

@@ -8,7 +8,7 @@ import xarray as xr
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from hillobs.studies.cli.reports.estimate import notes
+from hillobs.studies.cli.reports.estimates.estimate import notes
 from hillobs.studies.estimate import follow
 from hillobs.studies.estimate.run import estimate
 from hillobs.studies.laboratory.muscles import MusclePair, read_muscles

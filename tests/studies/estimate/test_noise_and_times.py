@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.signal import butter, lfilter
 
-from hillobs.studies.estimate.noise import despiked, noise
-from hillobs.studies.estimate.timescales import smoothed, twice_integrated
+from hillobs.studies.estimate.sizes.noise import despiked, noise
+from hillobs.studies.estimate.sizes.timescales import smoothed, twice_integrated
 from known_motion import MOTION, SIGMA, looked_at, recorded, rms, sines
 
 

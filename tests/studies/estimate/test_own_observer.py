@@ -9,7 +9,7 @@ import pytest
 
 from double_pole import double_pole
 from hillobs.model.block import Symbols, symbols
-from hillobs.studies.cli.reports.estimate import notes
+from hillobs.studies.cli.reports.estimates.estimate import notes
 from hillobs.studies.estimate.run import estimate
 from hillobs.studies.files.errors import ScenarioError
 from hillobs.studies.laboratory.recording import Recording

@@ -3,8 +3,8 @@
 import pytest
 import xarray as xr
 
-from hillobs.codegen import filters
-from hillobs.studies.cli.reports.estimate import timing
+from hillobs.codegen.recordings import filters
+from hillobs.studies.cli.reports.estimates.estimate import timing
 from hillobs.studies.estimate.run import compile_observers, estimate
 from hillobs.studies.laboratory.muscles import read_muscles
 from hillobs.studies.laboratory.recording import Recording

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 import xarray as xr
 
-from hillobs.studies.cli.reports.estimate_page import estimate_page
+from hillobs.studies.cli.reports.estimates.estimate_page import estimate_page
 from hillobs.studies.cli.reports.number import number
 from hillobs.studies.estimate.scores import scores
 from places import contents

@@ -9,7 +9,7 @@ import pytest
 
 DRAW = """
 import io, os
-from hillobs.studies.cli.terminal import user_errors
+from hillobs.studies.cli.shell.terminal import user_errors
 with user_errors():
     from hillobs.studies.figures.page import Figure, settings
     with settings():

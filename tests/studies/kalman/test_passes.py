@@ -9,12 +9,12 @@ import pytest
 from scipy.linalg import expm
 
 from hillobs.model.arrays import Array
+from hillobs.observers.behind.spread import COVARIANCES
 from hillobs.observers.kalman.activations import ACTIVATIONS_MODEL
 from hillobs.observers.kalman.exponential import driven, exponential
 from hillobs.observers.kalman.inputs import INPUTS_MODEL
 from hillobs.observers.kalman.model import Model
 from hillobs.observers.ports import ESTIMATES
-from hillobs.observers.spread import COVARIANCES
 from hillobs.studies.kalman import run
 from hillobs.studies.kalman.fit import fitted
 from hillobs.studies.kalman.passes import Filtered, Smoothed, compiled, log_likelihood, table

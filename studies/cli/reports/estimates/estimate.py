@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 from rich.table import Table
 from rich.text import Text
 
-from ....model.arrays import Array
-from ....model.skeleton import pull
-from ....observers import label
-from ...estimate.scores import BOTH, SETTLED, WITHIN_95, Score
-from .conditions import violated_conditions
+from .....model.arrays import Array
+from .....model.skeleton import pull
+from .....observers import label
+from ....estimate.scores import BOTH, SETTLED, WITHIN_95, Score
+from ..conditions import violated_conditions
+from ..number import counted, number
 from .likelihood import decisions
-from .number import counted, number
 
 # a table in the units that muscles have
 _SHOWN = {

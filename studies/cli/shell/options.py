@@ -8,15 +8,15 @@ from typing import Any
 import click
 from click.shell_completion import CompletionItem
 
-from ...observers import OBSERVERS
-from ..estimate.bands.doubt import parse_doubt
-from ..files.errors import ScenarioError
-from ..files.numbers import parse_number, typed_whole
-from ..files.quote import shown
-from ..scenarios.layers import Value, shipped
-from ..scenarios.loops import all_paths
-from ..scenarios.scenario import VALID_CHOICES, parse_change
-from ..sweep.axes import Values, parse_axis
+from ....observers import OBSERVERS
+from ...estimate.bands.doubt import parse_doubt
+from ...files.errors import ScenarioError
+from ...files.numbers import parse_number, typed_whole
+from ...files.quote import shown
+from ...scenarios.layers import Value, shipped
+from ...scenarios.loops import all_paths
+from ...scenarios.scenario import VALID_CHOICES, parse_change
+from ...sweep.axes import Values, parse_axis
 
 Decorator = Callable[[Any], Any]
 

@@ -15,11 +15,11 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 from rich.text import Text
 
-from ...codegen.building import told_of_builds
-from ...codegen.cache import BuildError
-from ...codegen.system.room import has_room
-from ...model.errors import Error
-from ..files.quote import escaped
+from ....codegen.building import told_of_builds
+from ....codegen.cache import BuildError
+from ....codegen.system.room import has_room
+from ....model.errors import Error
+from ...files.quote import escaped
 
 # exit codes: numbers that are not finite, a user's mistake
 NUMERICAL, USAGE = 1, 2

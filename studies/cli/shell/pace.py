@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
-from .reports.number import counted
+from ..reports.number import counted
 
 
 class Pace:

@@ -9,17 +9,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..model.arrays import Array
-from ..model.block import Block
-from .bank import Bank
-from .cache import BuildError
-from .constants import hoisted
-from .export import Source, export_blocks
-from .failure import Failure, failure
-from .library import load
-from .memory import aligned
-from .stepper import functions
-from .toolchain import SINGLE
+from ...model.arrays import Array
+from ...model.block import Block
+from ..bank import Bank
+from ..cache import BuildError
+from ..constants import hoisted
+from ..export import Source, export_blocks
+from ..failure import Failure, failure
+from ..library import load
+from ..memory import aligned
+from ..stepper import functions
+from ..toolchain import SINGLE
 
 # steps in one call: well below 0.1 s
 _SLICE = 100_000

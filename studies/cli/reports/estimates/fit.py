@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ....observers import label
-from ...estimate.fit import Fitted
-from ...estimate.run import KALMAN
-from ...scenarios.show import toml_value
+from .....observers import label
+from ....estimate.fit import Fitted
+from ....estimate.run import KALMAN
+from ....scenarios.show import toml_value
 from .likelihood import orders
 
 

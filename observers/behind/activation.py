@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from ..model.block import Block, Parameter, Parameters, Symbols, symbols
-from ..model.curves import NGUYEN2019, Curves, CurveSet, by_muscle, curve_parameters
-from ..model.dialect import clamp, outside
-from ..model.skeleton import LENGTH, lengths
-from ..model.symbols import MUSCLES
-from .ports import ESTIMATES
+from ...model.block import Block, Parameter, Parameters, Symbols, symbols
+from ...model.curves import NGUYEN2019, Curves, CurveSet, by_muscle, curve_parameters
+from ...model.dialect import clamp, outside
+from ...model.skeleton import LENGTH, lengths
+from ...model.symbols import MUSCLES
+from ..ports import ESTIMATES
 
 _CHOSEN = "chosen, docs/observers.md#activations"
 

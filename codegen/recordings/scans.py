@@ -10,10 +10,10 @@ import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..model.arrays import Array
-from .export import export_functions
-from .library import load
-from .toolchain import SINGLE
+from ...model.arrays import Array
+from ..export import export_functions
+from ..library import load
+from ..toolchain import SINGLE
 
 
 class _Scan(ctypes.Structure):

@@ -7,10 +7,10 @@ from collections.abc import Iterator, Sequence
 
 import xarray as xr
 
-from ....model.symbols import MUSCLES
-from ...estimate.scores import SETTLED, Score
+from .....model.symbols import MUSCLES
+from ....estimate.scores import SETTLED, Score
+from ..web import image, listed, page, section, table
 from .estimate import failures, notes, score_cells
-from .web import image, listed, page, section, table
 
 _SHEET = (
     "Measured above; below for each observer its estimates beside the truth, dashed where it is known, their errors, "

@@ -6,12 +6,12 @@ import itertools
 
 import casadi as ca
 
-from ..model.block import Block, Symbols, symbols
-from ..model.curves import NGUYEN2019, Curves
-from ..model.dialect import clamp
-from ..model.symbols import QUANTITIES
+from ...model.block import Block, Symbols, symbols
+from ...model.curves import NGUYEN2019, Curves
+from ...model.dialect import clamp
+from ...model.symbols import QUANTITIES
+from ..ports import ESTIMATES
 from .activation import activation_parameters, formulas
-from .ports import ESTIMATES
 
 # what the activation and the fibre length of each muscle follow from
 _OF_MUSCLE = {1: ("x1", "x3", "u1"), 2: ("x1", "x4", "u2")}

@@ -10,10 +10,10 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from types import ModuleType
 
-from ...model.block import Block
-from ..files.errors import ScenarioError
-from ..files.quote import short, shown
-from ..files.reading import cause, read_whole
+from ....model.block import Block
+from ...files.errors import ScenarioError
+from ...files.quote import short, shown
+from ...files.reading import cause, read_whole
 
 # a larger file is no program of a person
 _LARGEST = 10_000_000

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...model.arrays import Array
+from ....model.arrays import Array
 from .noise import Noise, differences
 
 # lags in an octave; the longest, in τ; the part of the samples that each must leave to look at

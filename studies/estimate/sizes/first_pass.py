@@ -13,15 +13,15 @@ from dataclasses import asdict, astuple, fields
 import casadi as ca
 import numpy as np
 
-from ...codegen.bank import Bank
-from ...codegen.filters import CompiledBank
-from ...model.arrays import Array
-from ...model.block import Block, Symbols, symbols
-from ...model.skeleton import pull
-from ...observers.high_gain import HIGH_GAIN
-from ...observers.observer import Sizes
+from ....codegen.bank import Bank
+from ....codegen.recordings.filters import CompiledBank
+from ....model.arrays import Array
+from ....model.block import Block, Symbols, symbols
+from ....model.skeleton import pull
+from ....observers.high_gain import HIGH_GAIN
+from ....observers.observer import Sizes
+from ..substeps import substeps
 from .noise import Noise, despiked, noise
-from .substeps import substeps
 from .timescales import smoothed, time_scale, twice_integrated
 
 # ε over the time scale: the width of an observer's window where it averages as much noise as it loses signal

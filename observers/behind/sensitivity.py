@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import casadi as ca
 
-from ..model.block import Symbols, symbols
-from ..model.curves import CurveSet
-from ..model.curves.sizes import SIZES, relative
-from ..model.dialect import clamp
+from ...model.block import Symbols, symbols
+from ...model.curves import CurveSet
+from ...model.curves.sizes import SIZES, relative
+from ...model.dialect import clamp
 from .activation import activation
 
 # an additive error of the force, and of the muscle's length

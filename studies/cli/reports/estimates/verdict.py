@@ -9,8 +9,8 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from ...estimate.scores import Score
-from ...verdict.run import Verdict
+from ....estimate.scores import Score
+from ....verdict.run import Verdict
 
 _DOUBTFUL, _PLAIN = "? ", "  "
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...model.arrays import Array
+from ....model.arrays import Array
 
 # differences of this order leave nothing of a smooth signal at the distance of samples
 _ORDER = 5

@@ -1,0 +1,1 @@
+"""What runs over the samples of a recording."""

@@ -1,0 +1,1 @@
+"""What follows from an observer's estimates, and how sure that is."""

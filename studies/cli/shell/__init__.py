@@ -1,0 +1,1 @@
+"""How commands read, speak and end."""

@@ -1,0 +1,1 @@
+"""How noisy, how fast and how large a recording is."""
