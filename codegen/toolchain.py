@@ -98,7 +98,8 @@ def find_compiler() -> Compiler:
             try:
                 return _examine(shlex.split(given), limit)
             except (ValueError, BuildError) as error:
-                words = str(error).rstrip(".")
+                # what is no compiler may say a page about itself
+                words = str(error).splitlines()[0].rstrip(".")
                 raise BuildError(f"{variable}={given!r} is no working compiler: {words}. {_INSTALL}") from error
     refusals = []
     for name in ("g++", "clang++", "c++"):
