@@ -120,14 +120,15 @@ def over(passes: CompiledPasses, numbers: Mapping[str, float], rows: Array, how:
         filtered = passes.filtered(numbers, carry, piece, motions)
         carry = filtered.carry
         if how.causal:
-            yield filtered.told
+            # a copy: as a part of all results it would keep them
+            yield filtered.told.copy()
             continue
         if len(after):
             moved = passes.motions(numbers, after, piece[-1])
             filtered = filtered.followed_by(passes.filtered(numbers, carry, after, moved))
             motions = np.concatenate([motions, moved])
         seen = rows[start : start + len(motions)]
-        yield passes.smoothed(numbers, seen, motions, filtered, how.lag or 0).told[: len(piece)]
+        yield passes.smoothed(numbers, seen, motions, filtered, how.lag or 0).told[: len(piece)].copy()
 
 
 def _form(how: How, inputs: Choice, activations: Choice) -> str:
@@ -148,7 +149,7 @@ def _ahead(record: Record, inputs: Choice) -> int:
 def _whole(record: Record, inputs: Choice, rows: Array, how: How) -> Array:
     """The estimates (n × ESTIMATES) of the first pass."""
     pieces = over(compiled(INPUTS_MODEL), inputs.fit.numbers, rows, how, _ahead(record, inputs))
-    return np.concatenate([told[:, : len(ESTIMATES)] for told in pieces])
+    return np.concatenate([told[:, : len(ESTIMATES)].copy() for told in pieces])
 
 
 def _linear(record: Record, muscles: CompiledMuscles, rows: Array, about: Array) -> Array:
@@ -165,7 +166,7 @@ def _collected(
     parts: list[dict[str, Array]] = []
     done = 0
     for told in pieces:
-        parts.append({name: values[-done % keep_every :: keep_every] for name, values in outputs(told).items()})
+        parts.append({name: values[-done % keep_every :: keep_every].copy() for name, values in outputs(told).items()})
         done += len(told)
         progress(done / length)
     return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}

@@ -23,7 +23,7 @@ def about_estimates(record: Record) -> Record:
     The densities of that filter are those that the sizes of the recording let expect.
     """
     told = over(compiled(INPUTS_MODEL), before_a_fit(record, {}), record.table(), How(lag=0), 0)
-    estimates = dict(zip(ESTIMATES, np.concatenate([rows[:, : len(ESTIMATES)] for rows in told]).T, strict=True))
+    estimates = dict(zip(ESTIMATES, np.concatenate([rows[:, : len(ESTIMATES)].copy() for rows in told]).T, strict=True))
     forces = {"y2": record.y[:, 1], "y3": record.y[:, 2]}
     lines = compiled_muscles(record.curves).outputs(TENDONS, record.numbers, {**estimates, **forces})
     z, slopes = (np.stack([lines[name] for name in names], axis=1) for names in (LENGTHS, SLOPES))
