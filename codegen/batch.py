@@ -15,9 +15,9 @@ from ..model.arrays import Array
 from ..model.block import Block
 from .cache import BuildError
 from .failure import Failure, failure
-from .library import load
 from .loop import Loop, export_loop
 from .memory import Compiled, Grid, Memory, Whole
+from .shared_library import load
 from .structures import STRUCTURES, Batch
 from .toolchain import NATIVE
 

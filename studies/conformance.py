@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import casadi as ca
 import numpy as np
 
-from ..codegen.library import compile_functions
+from ..codegen.shared_library import compile_functions
 from ..codegen.stepper import STAGES, functions
 from ..model.arrays import Array
 from ..model.block import Block, BlockError

@@ -16,8 +16,8 @@ from ..cache import BuildError
 from ..constants import hoisted
 from ..export import Source, export_blocks
 from ..failure import Failure, failure
-from ..library import load
 from ..memory import aligned
+from ..shared_library import load
 from ..stepper import functions
 from ..toolchain import SINGLE
 

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from ...model.arrays import Array
 from ..export import export_functions
-from ..library import load
+from ..shared_library import load
 from ..toolchain import SINGLE
 
 

@@ -19,6 +19,7 @@ from ...model.symbols import STATES, hat
 from ..behind.activation import activation_parameters, formulas
 from ..behind.spread import SPREADS, sd
 from ..ports import ESTIMATES
+from .chains import Chain, known_acceleration, last_in_use, start
 from .exponential import driven
 from .inputs import PARAMETERS as OF_INPUTS
 from .inputs import SAMPLE, measurements
@@ -99,7 +100,7 @@ def _move(was: Symbols, now: Symbols, p: Symbols) -> Move:
     A[_INDEX["x1"], _INDEX["x2"]] = A[_INDEX["x2"], _INDEX["Delta"]] = 1
     A[_INDEX["x2"], _INDEX["x3"]], A[_INDEX["x2"], _INDEX["x4"]] = -pulls[0], pulls[1]
     for w, at in zip(ends, (was, now), strict=True):
-        w[_INDEX["x2"]] = at.acc - (pulls[1] * at.L_S2 - pulls[0] * at.L_S1)
+        w[_INDEX["x2"]] = known_acceleration(at, *pulls)
     # ẋ₃ = x₂ + u₁,  ẋ₄ = −x₂ + u₂
     for j, way in ((1, 1), (2, -1)):
         row = _INDEX[f"x{j + 2}"]
@@ -117,13 +118,8 @@ def _move(was: Symbols, now: Symbols, p: Symbols) -> Move:
 
 
 def _start(now: Symbols, p: Symbols) -> tuple[ca.SX, ca.SX]:
-    mean, variance = ca.SX(_N, 1), ca.SX(_N, 1)
-    for measurement in _measurements(now, p):
-        mean[measurement.i], variance[measurement.i] = measurement.value, p.start_sigma**2 * measurement.R
-    variance[_INDEX["x2"]] = p.start_x2**2
-    for (chain, order), sd_first in zip(_orders(p), (p.start_D, p.start_a, p.start_a), strict=True):
-        for i, name in enumerate(chain):
-            variance[_INDEX[name]] = (sd_first * p.start_rate**i) ** 2 * (order > i)
+    chains = zip(_orders(p), (p.start_D, p.start_a, p.start_a), strict=True)
+    mean, variance = start(_measurements(now, p), chains, p, _INDEX)
     for name in ("a1", "a2"):
         mean[_INDEX[name]] = clamp(now[hat(name)], 0, 1)
     return mean, variance
@@ -133,18 +129,14 @@ def _measurements(now: Symbols, p: Symbols) -> list[Measurement]:
     return measurements(now, p, _INDEX)
 
 
-def _orders(p: Symbols) -> list[tuple[tuple[str, ...], ca.SX]]:
+def _orders(p: Symbols) -> list[Chain]:
     return list(zip(CHAINS.values(), (p.order_D, p.order_a, p.order_a), strict=True))
 
 
 def _noise(p: Symbols) -> Mapping[str, ca.SX]:
-    result = {name: ca.SX(_N, 1) for name in DENSITIES}
-    for density, (chain, order) in zip(("s_D", "s_a1", "s_a2"), _orders(p), strict=True):
-        for i, name in enumerate(chain, start=1):
-            result[density][_INDEX[name]] = order == i
-    for name in ("x3", "x4"):
-        result[f"s_{name}"][_INDEX[name]] = 1
-    return result
+    chains = dict(zip(("s_D", "s_a1", "s_a2"), (last_in_use(chain, _INDEX) for chain in _orders(p)), strict=True))
+    alone = {f"s_{name}": ca.SX.eye(_N)[:, _INDEX[name]] for name in ("x3", "x4")}
+    return Symbols({**chains, **alone}).only(DENSITIES)
 
 
 def _told(mean: ca.SX, P: ca.SX, now: Symbols) -> Symbols:

@@ -12,6 +12,7 @@ from ..behind.spread import COVARIANCES
 from ..ports import ESTIMATES
 from ..slopes import SLOPES
 from ..tendons import LENGTHS
+from .chains import known_acceleration, last_in_use, start
 from .model import Measurement, Model, Move
 from .motion import Motion
 from .parameters import CHOSEN, INPUTS, NOISE, driven
@@ -37,12 +38,8 @@ def _move(was: Symbols, now: Symbols, p: Symbols) -> Move:
     T = now.t - was.t
     motion = Motion((was.slope1 + now.slope1) / 2, (was.slope2 + now.slope2) / 2, p.m, T)
 
-    def known(at: Symbols) -> ca.SX:
-        """The part of ẋ₂ that is measured."""
-        # acc − (p₂z₂ − p₁z₁)/m
-        return at.acc - (motion.pull2 * at.L_S2 - motion.pull1 * at.L_S1)
-
-    return Move(motion.factors(), motion.driven(known(was), known(now)), T)
+    ends = (known_acceleration(at, motion.pull1, motion.pull2) for at in (was, now))
+    return Move(motion.factors(), motion.driven(*ends), T)
 
 
 def measurements(u: Symbols, p: Symbols, index: Mapping[str, int] = INDEX) -> list[Measurement]:
@@ -56,25 +53,13 @@ def measurements(u: Symbols, p: Symbols, index: Mapping[str, int] = INDEX) -> li
 
 
 def _start(u: Symbols, p: Symbols) -> tuple[ca.SX, ca.SX]:
-    """A derivative that is not in use is known to be 0."""
-    mean, variance = ca.SX(len(QUANTITIES), 1), ca.SX(len(QUANTITIES), 1)
-    for measurement in measurements(u, p):
-        mean[measurement.i], variance[measurement.i] = measurement.value, p.start_sigma**2 * measurement.R
-    variance[INDEX["x2"]] = p.start_x2**2
-    for (chain, order, _), sd in zip(driven(p), (p.start_D, p.start_u, p.start_u), strict=True):
-        for i, name in enumerate(chain):
-            variance[INDEX[name]] = (sd * p.start_rate**i) ** 2 * (order > i)
-    return mean, variance
+    chains = [(names, order) for names, order, _ in driven(p)]
+    return start(measurements(u, p), zip(chains, (p.start_D, p.start_u, p.start_u), strict=True), p, INDEX)
 
 
 def _noise(p: Symbols) -> Mapping[str, ca.SX]:
-    """The last derivative in use of each input is driven."""
-    result = {}
-    for density, (chain, order, _) in zip(DENSITIES, driven(p), strict=True):
-        result[density] = ca.SX(len(QUANTITIES), 1)
-        for i, name in enumerate(chain, start=1):
-            result[density][INDEX[name]] = order == i
-    return result
+    states = (last_in_use((names, order), INDEX) for names, order, _ in driven(p))
+    return dict(zip(DENSITIES, states, strict=True))
 
 
 def _told(mean: ca.SX, P: ca.SX, now: Symbols) -> Symbols:

@@ -12,6 +12,8 @@ import numpy as np
 
 from ...model.arrays import Array
 from ...observers import OBSERVERS, estimator
+from ...observers.kalman.parameters import INPUTS as OF_INPUTS
+from ...observers.kalman.parameters import NOISE
 from ..files.errors import ScenarioError
 from ..files.progress import Progress, shares, unseen
 from ..kalman.orders import chosen_inputs, manifest
@@ -28,7 +30,7 @@ from .run import KALMAN, estimate
 from .sizes.first_pass import first_pass
 
 # what is found; what is measured alone, the noise, goes with it
-_FOUND = ("sigma_1", "sigma_F1", "sigma_F2", "s_D", "s_u1", "s_u2", "order_D", "order_u")
+_FOUND = (*NOISE, *OF_INPUTS)
 
 
 @dataclass(frozen=True)

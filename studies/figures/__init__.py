@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import importlib
 import logging
 import os
 import sys
@@ -29,6 +30,7 @@ if "matplotlib" not in sys.modules:
     logging.getLogger("matplotlib").setLevel(logging.ERROR)
     with _without_settings():
         try:
-            import matplotlib.font_manager  # noqa: F401  for what it does: it lists the fonts
+            # it lists the fonts
+            importlib.import_module("matplotlib.font_manager")
         except (OSError, ValueError) as error:
             raise ResultError(f"matplotlib cannot be loaded: {error}; is ./matplotlibrc broken?") from error

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import casadi as ca
 import numpy as np
 
-from ...codegen.library import compile_functions
+from ...codegen.shared_library import compile_functions
 from ...model.arrays import Array
 from ...model.block import Block
 from ...model.curves import Curves

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,7 +15,7 @@ from ...observers.kalman.inputs import INPUTS_MODEL
 from ...observers.kalman.parameters import resolved, slowest
 from ...observers.ports import ESTIMATES
 from ..files.progress import Progress, shares
-from .muscles import ACTIVATION, LAW, SPREAD, CompiledMuscles, compiled_muscles
+from .muscles import ACTIVATION, LAW, SPREAD, compiled_muscles
 from .orders import Choice, chosen_activations, chosen_inputs
 from .passes import CompiledPasses, compiled, row_names, table
 from .record import Record, segments, settled
@@ -62,37 +62,41 @@ def passed(record: Record, how: How, by_hand: Mapping[str, float], keep_every: i
 
     by_hand: numbers of the filter that are to stay as they are.
     """
-    muscles, parts = compiled_muscles(record.curves), shares(progress, [_FIT, _FIT, _PASS, _PASS])
-    whole = record.table()
+    parts, whole = shares(progress, [_FIT, _FIT, 2 * _PASS]), record.table()
     fitted_to = [settled(whole[part]) for part in segments(len(record))]
     inputs = chosen_inputs(record, fitted_to, by_hand)
     next(parts)(1.0)
-    activations = None
-    if how.form != INPUTS:
-        about = how if how.lag is None else How(lag=0)
-        tables = [_linear(record, muscles, rows, _whole(record, inputs, rows, about)) for rows in fitted_to]
-        activations = chosen_activations(record, tables, inputs, by_hand)
+    activations = None if how.form == INPUTS else _second(record, fitted_to, inputs, how, by_hand)
     next(parts)(1.0)
-    if activations is None or _form(how, inputs, activations) == INPUTS:
-        next(parts)(1.0)
-        told = over(compiled(INPUTS_MODEL), inputs.fit.numbers, whole, how, _ahead(record, inputs))
-        outputs = _collected(told, _of_inputs(record, muscles), keep_every, len(record), next(parts))
-        return Passed(INPUTS, inputs, activations, outputs)
-    rows = _linear(record, muscles, whole, _whole(record, inputs, whole, about))
-    next(parts)(1.0)
-    told = over(compiled(ACTIVATIONS_MODEL), activations.fit.numbers, rows, how, _ahead(record, inputs))
-    return Passed(
-        ACTIVATIONS, inputs, activations, _collected(told, _of_activations, keep_every, len(record), next(parts))
-    )
+    form, outputs = estimated(record, how, inputs, activations, keep_every, next(parts))
+    return Passed(form, inputs, activations, outputs)
 
 
 def causal_choices(record: Record, by_hand: Mapping[str, float]) -> tuple[Choice, Choice]:
-    """What `passed` finds in all samples of a recording, for causal estimates; by_hand: orders that are known."""
-    muscles, rows, about = compiled_muscles(record.curves), settled(record.table()), How()
+    """Both models for causal estimates, by all samples of a recording; by_hand: orders that are known."""
+    rows = settled(record.table())
     inputs = chosen_inputs(record, [rows], by_hand)
-    linear = _linear(record, muscles, rows, _whole(record, inputs, rows, about))
     of_second = {name: value for name, value in by_hand.items() if name == "order_a"}
-    return inputs, chosen_activations(record, [linear], inputs, of_second)
+    return inputs, _second(record, [rows], inputs, How(), of_second)
+
+
+def estimated(
+    record: Record, how: How, inputs: Choice, activations: Choice | None, keep_every: int, progress: Progress
+) -> tuple[str, dict[str, Array]]:
+    """The form that counts, and by name every n-th estimate, standard deviation and guard."""
+    whole, ahead = record.table(), _ahead(record, inputs)
+    if activations is None or _form(how, inputs, activations) == INPUTS:
+        told = over(compiled(INPUTS_MODEL), inputs.fit.numbers, whole, how, ahead)
+        return INPUTS, _collected(told, _of_inputs(record), keep_every, len(record), progress)
+    before, after = shares(progress, [_PASS, _PASS])
+    rows = _linear(record, whole, inputs, how)
+    before(1.0)
+    told = over(compiled(ACTIVATIONS_MODEL), activations.fit.numbers, rows, how, ahead)
+    return ACTIVATIONS, _collected(told, _of_activations, keep_every, len(record), after)
+
+
+def _second(record: Record, tables: Sequence[Array], inputs: Choice, how: How, by_hand: Mapping[str, float]) -> Choice:
+    return chosen_activations(record, [_linear(record, rows, inputs, how) for rows in tables], inputs, by_hand)
 
 
 def innovations(record: Record, inputs: Choice) -> Array:
@@ -152,10 +156,11 @@ def _whole(record: Record, inputs: Choice, rows: Array, how: How) -> Array:
     return np.concatenate([told[:, : len(ESTIMATES)].copy() for told in pieces])
 
 
-def _linear(record: Record, muscles: CompiledMuscles, rows: Array, about: Array) -> Array:
-    """The rows of the second pass: linear about estimates (n × ESTIMATES) of the first."""
+def _linear(record: Record, rows: Array, inputs: Choice, how: How) -> Array:
+    """The rows of the second pass, linear about the first: smoothed if `how` is, and causal if that is late only."""
+    about = _whole(record, inputs, rows, how if how.lag is None else How())
     estimates = dict(zip(ESTIMATES, about.T, strict=True))
-    law = muscles.outputs(LAW, record.numbers, estimates)
+    law = compiled_muscles(record.curves).outputs(LAW, record.numbers, estimates)
     known = dict(zip(row_names(INPUTS_MODEL), rows.T, strict=True))
     return table(ACTIVATIONS_MODEL, {**known, **estimates, **law})
 
@@ -172,7 +177,9 @@ def _collected(
     return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
 
-def _of_inputs(record: Record, muscles: CompiledMuscles) -> Outputs:
+def _of_inputs(record: Record) -> Outputs:
+    muscles = compiled_muscles(record.curves)
+
     def outputs(told: Array) -> dict[str, Array]:
         named = dict(zip(compiled(INPUTS_MODEL).told, told.T, strict=True))
         estimates = {name: named[name] for name in ESTIMATES}

@@ -9,7 +9,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from ...codegen.library import Library, compile_functions
+from ...codegen.shared_library import Library, compile_functions
 from ...model.arrays import Array
 from ...observers.observability import TOLERANCE, decoupling_matrix, ranks_of
 from ..files.errors import ScenarioError

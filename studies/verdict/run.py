@@ -17,7 +17,7 @@ from ..files.progress import Progress, unseen
 from ..kalman.muscles import ACTIVATION, compiled_muscles
 from ..kalman.orders import Choice
 from ..kalman.record import Record, refuse_short
-from ..kalman.run import ACTIVATIONS, How, causal_choices, innovations, passed
+from ..kalman.run import ACTIVATIONS, How, causal_choices, estimated, innovations
 from ..laboratory.muscles import MusclePair, read_muscles
 from ..laboratory.recording import Recording, read_recording
 from .checks import of_estimates, of_innovations, of_measurements
@@ -74,13 +74,13 @@ def verdict(
 def _findings(read: Recording, pair: MusclePair, progress: Progress) -> Iterator[Finding]:
     case, record = recorded(read, pair)
     yield from (plain := list(of_measurements(case)))
-    found = passed(record, How(), {}, 1, unseen)
-    yield of_innovations(innovations(record, found.inputs), min(case.sizes.sigma_F1, case.sizes.sigma_F2))
-    limits = [float(np.mean(found.outputs[f"a{j}_hat_limit"])) for j in (1, 2)]
-    yield from of_estimates(case, record.columns["acc"], found.outputs["Delta_hat"], limits)
     inputs, activations = choices = causal_choices(record, {})
-    yield _form(inputs, activations, found.form == ACTIVATIONS)
-    yield _bias(case, record, found.outputs)
+    form, outputs = estimated(record, How(), inputs, activations, 1, unseen)
+    yield of_innovations(innovations(record, inputs), min(case.sizes.sigma_F1, case.sizes.sigma_F2))
+    limits = [float(np.mean(outputs[f"a{j}_hat_limit"])) for j in (1, 2)]
+    yield from of_estimates(case, record.columns["acc"], outputs["Delta_hat"], limits)
+    yield _form(inputs, activations, form == ACTIVATIONS)
+    yield _bias(case, record, outputs)
     if plain:
         # what no muscle measures needs no comparison of muscles
         return

@@ -4,7 +4,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from hillobs.codegen.library import Library, compile_functions
+from hillobs.codegen.shared_library import Library, compile_functions
 from hillobs.codegen.toolchain import NATIVE, SINGLE
 from hillobs.model.arrays import Array
 

@@ -4,7 +4,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from hillobs.codegen.library import compile_functions
+from hillobs.codegen.shared_library import compile_functions
 from hillobs.codegen.stepper import functions
 from hillobs.model.block import Block, BlockError, Parameter, Symbols, symbols
 from hillobs.model.closed_loop import closed_loop

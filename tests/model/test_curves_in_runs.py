@@ -8,7 +8,7 @@ import pytest
 from click.testing import CliRunner
 
 from curve_values import OTHER, RANGES, SETS, at, numbers
-from hillobs.codegen.library import compile_functions
+from hillobs.codegen.shared_library import compile_functions
 from hillobs.model.block import symbols
 from hillobs.model.curves import CURVES, NGUYEN2019_PRINTED, SIMULATED
 from hillobs.studies.cli.main import commands

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hillobs.codegen.library import Library, compile_functions
+from hillobs.codegen.shared_library import Library, compile_functions
 from hillobs.model.block import symbols
 from hillobs.model.curves import NGUYEN2019
 from hillobs.model.curves.nguyen2019 import TENDON

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from ....codegen.library import Library, compile_functions
+from ....codegen.shared_library import Library, compile_functions
 from ....codegen.toolchain import SINGLE
 from ....model.arrays import Array
 from ....model.curves import Curves, CurveSet, by_muscle

@@ -11,7 +11,7 @@ import pytest
 
 from hillobs.codegen import cache
 from hillobs.codegen.cache import BuildError
-from hillobs.codegen.library import open_library
+from hillobs.codegen.shared_library import open_library
 from hillobs.codegen.toolchain import build
 
 EXPORT = 'extern "C" __attribute__((visibility("default")))'

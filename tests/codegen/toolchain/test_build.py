@@ -8,7 +8,7 @@ import pytest
 from compilers import BUILD, DESCRIPTION, SOURCE, finish, python, twice
 from hillobs.codegen import toolchain
 from hillobs.codegen.cache import BuildError
-from hillobs.codegen.library import open_library
+from hillobs.codegen.shared_library import open_library
 from hillobs.codegen.toolchain import build, compile_library, find_compiler
 
 

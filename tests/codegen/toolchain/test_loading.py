@@ -9,7 +9,7 @@ import pytest
 from compilers import DESCRIPTION, EXPORT, SOURCE, twice
 from hillobs.codegen import cache
 from hillobs.codegen.cache import BuildError
-from hillobs.codegen.library import open_library
+from hillobs.codegen.shared_library import open_library
 from hillobs.codegen.toolchain import build, compile_library, find_compiler
 
 

@@ -48,7 +48,7 @@ with warnings.catch_warnings(record=True) as said:
         except OSError as error:
             if "failed to map segment" not in str(error):
                 raise cache.BuildError(f"{path} cannot be loaded: {error}") from error
-            from hillobs.codegen.library import open_library  # only here: it brings CasADi, hundreds of calls more
+            from hillobs.codegen.shared_library import open_library  # here: it brings CasADi, hundreds of calls
             function = open_library(path).twice
         function.restype, function.argtypes = ctypes.c_double, [ctypes.c_double]
         code, text = (0 if function(4.0) == 8.0 else 9), f"{len(compiled)} {len(said)} {path}"

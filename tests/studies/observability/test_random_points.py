@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from hillobs.codegen.library import compile_functions
+from hillobs.codegen.shared_library import compile_functions
 from hillobs.model.arrays import Array
 from hillobs.observers.observability import judge, ranks_of
 from independent import muscle
