@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 CODE := model observers codegen studies hillobs tests benchmarks
 
 .DEFAULT_GOAL := help
-.PHONY: help sim sweep estimate test portable check format lint types imports observability chaos hostile bench clean
+.PHONY: help sim sweep estimate test portable check format lint types imports observability lag chaos hostile bench clean
 
 help: ## show this help
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 16
@@ -52,6 +52,9 @@ imports: $(VENV)/.installed ## do imports go down the stair only? (contracts in 
 
 observability: $(VENV)/.installed ## ranks, maps and figures of docs/observability.md
 	$(BIN)/python -m hillobs.studies.cli.pages.observability
+
+lag: $(VENV)/.installed ## figure of docs/kalman.md: errors over the delay
+	$(BIN)/python -m hillobs.studies.cli.pages.lag
 
 chaos: $(VENV)/.installed ## long tests: kills, full disks, races, many drawn recordings
 	$(BIN)/python -m pytest -m chaos -p no:cacheprovider
