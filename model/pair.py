@@ -7,7 +7,7 @@ import dataclasses
 from .block import Block, BlockError
 from .curves import NGUYEN2019, Curves, by_muscle, curve_parameters
 from .muscle import ACTIVATION_LIMITS, activated_muscle, requested_activation, virtual_muscle
-from .skeleton import mass
+from .skeleton.load import mass
 from .symbols import MUSCLES, STATES
 from .wiring import many, rename, wire
 

@@ -11,7 +11,7 @@ import casadi as ca
 from ..model.block import Block, BlockError, Symbols, symbols
 from ..model.curves import NGUYEN2019, Curves, tendon_parameters
 from ..model.limits import limits
-from ..model.skeleton import LENGTH
+from ..model.skeleton.load import LENGTH
 from ..model.symbols import hat
 from ..model.wiring import rename, wire
 from .adaptive_sliding_mode import ADAPTIVE_SLIDING_MODE

@@ -10,7 +10,7 @@ import casadi as ca
 from ..model.block import Block, Parameter, Symbols, symbols
 from ..model.dialect import clamp, dead_zone, no_higher, no_lower, root, sg
 from ..model.limits import STABLE
-from ..model.skeleton import MASS
+from ..model.skeleton.load import MASS
 from .conditions import Condition, above, between, equal, positive
 from .layers import SLOPE, correction_rates, layers, layers_corrected
 from .observer import Observer, Sizes

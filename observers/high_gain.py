@@ -9,7 +9,7 @@ from collections.abc import Mapping
 import casadi as ca
 
 from ..model.block import Block, Parameter, Symbols, symbols
-from ..model.skeleton import MASS
+from ..model.skeleton.load import MASS
 from .conditions import Condition, above, between, positive
 from .observer import Observer, Sizes
 from .ports import SENSED, START, estimates, output_errors, start

@@ -8,7 +8,7 @@ import casadi as ca
 
 from ..model.block import Block, Parameter, Symbols, symbols
 from ..model.dialect import root, sg
-from ..model.skeleton import MASS
+from ..model.skeleton.load import MASS
 from .conditions import Condition, above
 from .layers import SLOPE, correction_rates, injection, layers, layers_corrected
 from .observer import Observer, Sizes

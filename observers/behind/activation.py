@@ -10,7 +10,7 @@ import casadi as ca
 from ...model.block import Block, Parameter, Parameters, Symbols, symbols
 from ...model.curves import NGUYEN2019, Curves, CurveSet, by_muscle, curve_parameters
 from ...model.dialect import clamp, outside
-from ...model.skeleton import LENGTH, lengths
+from ...model.skeleton.load import LENGTH, lengths
 from ...model.symbols import MUSCLES
 from ..ports import ESTIMATES
 

@@ -14,7 +14,7 @@ import casadi as ca
 from ...model.block import Block, Parameter, Parameters, Symbols, symbols
 from ...model.curves import NGUYEN2019, Curves
 from ...model.dialect import clamp
-from ...model.skeleton import MASS
+from ...model.skeleton.load import MASS
 from ...model.symbols import STATES, hat
 from ..behind.activation import activation_parameters, formulas
 from ..behind.spread import SPREADS, sd

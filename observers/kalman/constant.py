@@ -12,7 +12,7 @@ from collections.abc import Mapping
 import casadi as ca
 
 from ...model.block import Block, Parameter, Parameters, Symbols, symbols
-from ...model.skeleton import MASS
+from ...model.skeleton.load import MASS
 from ...model.symbols import hat
 from ..high_gain import LIMIT
 from ..observer import Observer, Sizes

@@ -5,7 +5,7 @@ from __future__ import annotations
 import casadi as ca
 
 from ...model.block import Block, Symbols, symbols
-from ...model.skeleton import pull
+from ...model.skeleton.load import pull
 from ..observer import Observer, no_rates
 from ..ports import SENSED
 from ..slopes import SLOPES

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ...codegen.failure import Failure
 from ...model.arrays import Array
 from ...model.curves import CURVES
-from ...model.skeleton import lengths
+from ...model.skeleton.load import lengths
 from ...model.symbols import STATES, hat
 from ...observers.conditions import Checked
 from ..files.versions import versions

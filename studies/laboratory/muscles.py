@@ -43,6 +43,9 @@ SIZES: Mapping[str, Parameter] = {
         below=1000,
     ),
 }
+PENNATION = Parameter(
+    0.0, "angle between fibres and tendon at the optimal fibre length", _FILE, "rad", least=0, most=1.4
+)
 _BOTH = "muscle"
 # what a curve set calls the sizes, in those of muscle 1; they follow from the file
 SCALED: Mapping[str, str] = {

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from ...model.arrays import Array
-from ...model.skeleton import lengths
+from ...model.skeleton.load import lengths
 from ..estimate.case import Case
 from .finding import Finding
 

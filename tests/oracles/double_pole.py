@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import casadi as ca
 
 from hillobs.model.block import Block, Parameter, Symbols, symbols
-from hillobs.model.skeleton import MASS
+from hillobs.model.skeleton.load import MASS
 from hillobs.observers.conditions import Condition, below
 from hillobs.observers.observer import Observer, Sizes
 from hillobs.observers.ports import SENSED, START, estimates, output_errors, start

@@ -13,7 +13,7 @@ from ....codegen.shared_library import Library, compile_functions
 from ....codegen.toolchain import SINGLE
 from ....model.arrays import Array
 from ....model.curves import Curves, CurveSet, by_muscle
-from ....model.skeleton import lengths, pull
+from ....model.skeleton.load import lengths, pull
 from ....model.symbols import MUSCLES, hat
 from ....observers.behind.activation import LIMITS
 from ....observers.behind.sensitivity import FORCE_BIAS, LENGTH_BIAS, MUSCLE_ESTIMATES, numbers, sensitivities

@@ -17,7 +17,7 @@ from ....codegen.bank import Bank
 from ....codegen.recordings.filters import CompiledBank
 from ....model.arrays import Array
 from ....model.block import Block, Symbols, symbols
-from ....model.skeleton import pull
+from ....model.skeleton.load import pull
 from ....observers.high_gain import HIGH_GAIN
 from ....observers.observer import Sizes
 from ..substeps import substeps

@@ -12,7 +12,7 @@ from rich.table import Table
 from rich.text import Text
 
 from .....model.arrays import Array
-from .....model.skeleton import pull
+from .....model.skeleton.load import pull
 from .....observers import label
 from ....estimate.scores import BOTH, SETTLED, WITHIN_95, Score
 from ..conditions import violated_conditions

@@ -7,9 +7,9 @@ from typing import TypeVar
 
 import casadi as ca
 
-from .arrays import Array
-from .block import Block, Parameter, Symbols, symbols
-from .symbols import MUSCLES
+from ..arrays import Array
+from ..block import Block, Parameter, Symbols, symbols
+from ..symbols import MUSCLES
 
 MASS = Parameter(1.0, "mass of the load", "paper, §V", above=0, shared="plant.m")
 LENGTH = Parameter(5.54, "L_m1 + L_m2, the distance between the origins", "paper, §V", above=0, shared="plant.C")
