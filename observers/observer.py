@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Protocol
 
 import casadi as ca
 
 from ..model.block import Block, Symbols
 from ..model.limits import STABLE
+from ..model.system import PAIR, System
 from .conditions import Condition, Conditions, below
 
 
@@ -36,6 +38,14 @@ class Sizes:
         return math.sqrt(self.sigma_L1 * self.sigma_L2)
 
 
+class Build(Protocol):
+    """Makes the observer of a system, the pair if none is given."""
+
+    def __call__(self, system: System = PAIR) -> Block:
+        """The Block."""
+        ...
+
+
 # name → rate, symbolic in the observer's parameters
 Rates = Callable[[Symbols], Mapping[str, ca.SX]]
 # (sizes, sampling period T in τ) → name → value; what is not named keeps its default
@@ -52,17 +62,17 @@ class Observer:
     """What the registry knows of an observer; a Block alone is one without conditions, gain rule and known rates."""
 
     label: str  # what tables and figures call it
-    build: Callable[[], Block]
+    build: Build
     theorem: Conditions = lambda p, facts: []
     gains: Gains = lambda sizes, T: {}
     rates: Rates | None = None  # its fastest; None: to be found from ∂ẋ/∂x
     limit: float = STABLE  # largest h · rate of an RK4 step
-    corrected: Callable[[], Block] | None = None  # the same with its layers corrected; None: it has none
+    corrected: Build | None = None  # the same with its layers corrected; None: it has none
     fitted: bool = False  # a recording is passed as a whole, to find its numbers by likelihood and to smooth
 
-    def block(self, corrected: bool) -> Block:
+    def block(self, corrected: bool, system: System = PAIR) -> Block:
         """The observer as it follows recordings: its layers, if it has any, `corrected` or not."""
-        return self.corrected() if corrected and self.corrected else self.build()
+        return self.corrected(system) if corrected and self.corrected else self.build(system)
 
     def conditions(self, p: Symbols, facts: Symbols) -> list[Condition]:
         """What its theorem and the integration step h ask of the gains."""

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from ...model.arrays import Array
+from ...model.system import pair_system
 from ...observers import OBSERVERS, estimator
 from ...observers.kalman.parameters import INPUTS as OF_INPUTS
 from ...observers.kalman.parameters import NOISE
@@ -107,7 +108,8 @@ def _of_scenario(source: str | Path, changes: Mapping[str, Value], progress: Pro
     if not np.isfinite(y).all():
         raise ScenarioError(f"{prepared.label}: the plant fails; there is nothing to be likely")
     curves, paths = prepared.scenario.curves, prepared.paths
-    compiled, block = compiled_bank(follower_bank(curves, False, ())), estimator(OBSERVERS[KALMAN].build(), curves)
+    compiled = compiled_bank(follower_bank(curves, False, ()))
+    block = estimator(OBSERVERS[KALMAN].build(), pair_system(curves))
     given = prepared.scenario.given
     tendons = lengths_block(compiled.bank)
     z, slopes = measured_tendons(compiled, np.array(paths_of([tendons]).values(tendons, given)), y)

@@ -14,7 +14,7 @@ from ...codegen.stepper import STAGES
 from ...model.arrays import Array
 from ...model.block import Block, Symbols, symbols
 from ...model.curves import Curves
-from ...model.symbols import MEASURED
+from ...model.system import System, pair_system
 from ...observers import Observer, estimator_of
 from ...observers.slopes import tendon_slopes
 from ...observers.tendons import LENGTHS, tendons, tendons_of_a_step
@@ -29,14 +29,15 @@ _LENGTHS = "lengths"
 @functools.lru_cache(maxsize=8)
 def follower_bank(curves: Curves, corrected: bool, observers: tuple[Observer, ...]) -> Bank:
     """All of these observers that follow samples one by one, and first one that only tells the tendons' state."""
-    blocks = [estimator_of(observer, corrected, curves) for observer in observers if not observer.fitted]
-    return Bank(MEASURED, tendons(curves), tendons_of_a_step(STAGES, curves), (_lengths(curves), *blocks))
+    system = pair_system(curves)
+    blocks = [estimator_of(observer, corrected, system) for observer in observers if not observer.fitted]
+    return Bank(system.measured, tendons(system), tendons_of_a_step(STAGES, system), (_lengths(system), *blocks))
 
 
 @functools.lru_cache(maxsize=8)
 def fitted_blocks(curves: Curves, corrected: bool, observers: tuple[Observer, ...]) -> tuple[Block, ...]:
     """The others, to which a recording is given as a whole."""
-    return tuple(estimator_of(observer, corrected, curves) for observer in observers if observer.fitted)
+    return tuple(estimator_of(observer, corrected, pair_system(curves)) for observer in observers if observer.fitted)
 
 
 @functools.lru_cache(maxsize=8)
@@ -81,9 +82,8 @@ def _filled(t: Array, y: Array, period: float) -> tuple[Array, Array, NDArray[np
     return np.interp(n, places, t), np.stack([np.interp(n, places, column) for column in y.T], axis=1), places
 
 
-def _lengths(curves: Curves) -> Block:
-    slopes = tendon_slopes(curves)
-    u = Symbols({**symbols(MEASURED), **slopes.u})
-    return Block(
-        _LENGTHS, u=u, p=slopes.p, parameters=slopes.parameters, y=Symbols({**slopes.u.only(LENGTHS), **slopes.y})
-    )
+def _lengths(system: System) -> Block:
+    slopes = tendon_slopes(system)
+    u = Symbols({**symbols(system.measured), **slopes.u})
+    y = Symbols({**slopes.u.only(system.tendons), **slopes.y})
+    return Block(_LENGTHS, u=u, p=slopes.p, parameters=slopes.parameters, y=y)

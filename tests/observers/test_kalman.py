@@ -211,8 +211,9 @@ def test_the_injections_are_those_of_the_chains_in_use(orders: tuple[int, int]) 
     for k, (names, sigma, (which, s)) in enumerate(zip(rows.values(), sigmas, chains, strict=True)):
         n = orders[which] + (2 if which == 0 else 1)
         w = (numbers[s] / (numbers[sigma] * np.sqrt(numbers["T"]))) ** (1 / n)
-        expected = np.zeros(len(INDEX))
-        expected[[INDEX[name] for name in names[:n]]] = w ** np.arange(1, n + 1) * butterworth(n)
+        expected = np.zeros(len(block.x))
+        places = [list(block.x).index(f"{name}_hat") for name in names[:n]]
+        expected[places] = w ** np.arange(1, n + 1) * butterworth(n)
         np.testing.assert_allclose(found[:, k], expected, rtol=1e-12)
 
 
