@@ -12,8 +12,7 @@ from ..model.block import Block, Parameter, Symbols, symbols
 from ..model.dialect import clamp, dead_zone, no_higher, no_lower, root, sg
 from ..model.limits import STABLE
 from ..model.skeleton.load import MASS
-from ..model.system import PAIR, System
-from .chained import OF_JOINT, OF_MUSCLE, START, START_OF_JOINT, START_OF_MUSCLE, Chains, chain, chained
+from .chained import OF_JOINT, OF_MUSCLE, START, START_OF_JOINT, START_OF_MUSCLE, Chains, chain
 from .conditions import Condition, above, between, equal, positive
 from .layers import CORRECTION, SLOPE, correction_rates, joint_corrected, layers, muscle_corrected
 from .observer import Observer, Sizes
@@ -84,10 +83,10 @@ SECOND = {
 }
 
 
-def adaptive_sliding_mode(system: System = PAIR, corrected: bool = False) -> Block:
-    """Its states are the estimates, unless these are `corrected`, and two adaptive ones for each chain."""
+def chains(corrected: bool = False) -> Chains:
+    """Their states are the estimates, unless these are `corrected`, and two adaptive ones for each chain."""
     parameters = {**PARAMETERS, **(CORRECTION if corrected else {})}
-    return chained("adaptive_sliding_mode", Chains(joint(corrected), muscle(corrected), parameters, SECOND), system)
+    return Chains("adaptive_sliding_mode", joint(corrected), muscle(corrected), parameters, SECOND)
 
 
 def joint(corrected: bool) -> Block:
@@ -157,11 +156,6 @@ def _second_layer(r: ca.SX, growth: ca.SX, p: Symbols) -> ca.SX:
     return no_higher(growth - p.leak * r, r, p.r_max)
 
 
-def corrected(system: System = PAIR) -> Block:
-    """The same with corrected estimates."""
-    return adaptive_sliding_mode(system, corrected=True)
-
-
 def theorem(p: Symbols, facts: Symbols) -> list[Condition]:
     """What theorem [thm_ao] and the dual-layer law ask of the gains."""
     positives = ("eta1", "eta2", "l0", "r00", "r01", "r02", "gamma_a0", "gamma_a1", "gamma_a2", "tau_a", "delta_a")
@@ -223,4 +217,4 @@ def gains(s: Sizes, T: float) -> dict[str, float]:
     }
 
 
-ADAPTIVE_SLIDING_MODE = Observer("ASMO", adaptive_sliding_mode, theorem, gains, rates, corrected=corrected)
+ADAPTIVE_SLIDING_MODE = Observer("ASMO", chains, None, theorem, gains, rates)

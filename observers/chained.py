@@ -35,18 +35,19 @@ START_OF_JOINT, START_OF_MUSCLE = ("initial.x1_hat", "initial.x2_hat"), ("initia
 
 @dataclass(frozen=True)
 class Chains:
-    """An observer as the chain of the mass and that of muscle 1, by the names that it has for the pair.
+    """An observer by its name: the chain of the mass and that of muscle 1, by the names that it has for the pair.
 
     parameters: all numbers of the pair's observer. second: names of muscle 1 → those of muscle 2, where they differ.
     """
 
+    name: str
     joint: Block
     muscle: Block
     parameters: Parameters
     second: Mapping[str, str] = field(default_factory=dict)
 
 
-def chained(name: str, chains: Chains, system: System = PAIR) -> Block:
+def chained(chains: Chains, system: System = PAIR) -> Block:
     """The observer of a system. Its inputs are the measurements, and the tendon lengths that these tell."""
     joints = dict(zip(system.joints, many(chains.joint, _parts("joint", system.joints)), strict=True))
     muscles = dict(zip(system.muscles, many(chains.muscle, _parts("muscle", system.muscles)), strict=True))
@@ -63,8 +64,8 @@ def chained(name: str, chains: Chains, system: System = PAIR) -> Block:
         connections |= {f"{part.name}.{port}": told[port] for port in part.u}
         names |= _renamed(part, _MUSCLE, system, of, chains.second if of == MUSCLES[1] else {})
     external = dict.fromkeys((*system.measured, *system.tendons), "staged")
-    wired = wire(name, [forces, *joints.values(), *muscles.values()], connections, external)
-    block = rename(wired, name, names, system.estimates)
+    wired = wire(chains.name, [forces, *joints.values(), *muscles.values()], connections, external)
+    block = rename(wired, chains.name, names, system.estimates)
     return _with_numbers(block, chains.parameters, system)
 
 

@@ -10,8 +10,7 @@ import casadi as ca
 
 from ..model.block import Block, Parameter, Symbols, symbols
 from ..model.skeleton.load import MASS
-from ..model.system import PAIR, System
-from .chained import OF_JOINT, OF_MUSCLE, START, START_OF_JOINT, START_OF_MUSCLE, Chains, chain, chained
+from .chained import OF_JOINT, OF_MUSCLE, START, START_OF_JOINT, START_OF_MUSCLE, Chains, chain
 from .conditions import Condition, above, between, positive
 from .observer import Observer, Sizes
 
@@ -40,9 +39,9 @@ SECOND = {"h21": "h31", "h22": "h32"}
 LIMIT = 0.75
 
 
-def high_gain(system: System = PAIR) -> Block:
-    """Its states are the estimates."""
-    return chained("high_gain", Chains(joint(), muscle(), PARAMETERS, SECOND), system)
+def chains(corrected: bool = False) -> Chains:
+    """Their states are the estimates; there is no layer to correct."""
+    return Chains("high_gain", joint(), muscle(), PARAMETERS, SECOND)
 
 
 def joint() -> Block:
@@ -118,4 +117,4 @@ def gains(s: Sizes, T: float) -> dict[str, float]:
     return {"eps_h": s.eps_1, "eps_L": s.eps_L}
 
 
-HIGH_GAIN = Observer("HGO", high_gain, theorem, gains, rates, LIMIT)
+HIGH_GAIN = Observer("HGO", chains, None, theorem, gains, rates, LIMIT)

@@ -8,8 +8,7 @@ from dataclasses import replace
 import casadi as ca
 
 from ..model.block import Block, Parameter, Symbols, symbols
-from ..model.system import PAIR, System
-from .chained import Chains, chained
+from .chained import Chains
 from .conditions import Condition, above
 from .high_gain import LIMIT, joint, pole_rates, positive_gains
 from .high_gain import PARAMETERS as ORDER_2
@@ -33,9 +32,9 @@ PARAMETERS = {
 SECOND = {**OF_ORDER_2, "h23": "h33", "du1_hat": "du2_hat"}
 
 
-def high_gain_3(system: System = PAIR) -> Block:
-    """Its states are the estimates and the rates of û."""
-    return chained("high_gain_3", Chains(joint(), muscle(), PARAMETERS, SECOND), system)
+def chains(corrected: bool = False) -> Chains:
+    """Their states are the estimates and the rates of û; there is no layer to correct."""
+    return Chains("high_gain_3", joint(), muscle(), PARAMETERS, SECOND)
 
 
 def muscle() -> Block:
@@ -77,4 +76,4 @@ def gains(s: Sizes, T: float) -> dict[str, float]:
     return {"eps_h": s.eps_1, "eps_L": s.eps_L3}
 
 
-HIGH_GAIN_3 = Observer("HGO3", high_gain_3, theorem, gains, rates, LIMIT)
+HIGH_GAIN_3 = Observer("HGO3", chains, None, theorem, gains, rates, LIMIT)

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Protocol
 
 import casadi as ca
 
-from ..model.block import Block, Symbols
+from ..model.block import Block, BlockError, Symbols
 from ..model.limits import STABLE
 from ..model.system import PAIR, System
+from .chained import Chains, chained
 from .conditions import Condition, Conditions, below
 
 
@@ -38,14 +38,6 @@ class Sizes:
         return math.sqrt(self.sigma_L1 * self.sigma_L2)
 
 
-class Build(Protocol):
-    """Makes the observer of a system, the pair if none is given."""
-
-    def __call__(self, system: System = PAIR) -> Block:
-        """The Block."""
-        ...
-
-
 # name → rate, symbolic in the observer's parameters
 Rates = Callable[[Symbols], Mapping[str, ca.SX]]
 # (sizes, sampling period T in τ) → name → value; what is not named keeps its default
@@ -62,17 +54,24 @@ class Observer:
     """What the registry knows of an observer; a Block alone is one without conditions, gain rule and known rates."""
 
     label: str  # what tables and figures call it
-    build: Build
+    chains: Callable[[bool], Chains] | None = None  # what it is made of, with corrected layers or without
+    whole: Callable[[], Block] | None = None  # one that is not made of chains, and so is for the pair alone
     theorem: Conditions = lambda p, facts: []
     gains: Gains = lambda sizes, T: {}
     rates: Rates | None = None  # its fastest; None: to be found from ∂ẋ/∂x
     limit: float = STABLE  # largest h · rate of an RK4 step
-    corrected: Build | None = None  # the same with its layers corrected; None: it has none
     fitted: bool = False  # a recording is passed as a whole, to find its numbers by likelihood and to smooth
 
-    def block(self, corrected: bool, system: System = PAIR) -> Block:
-        """The observer as it follows recordings: its layers, if it has any, `corrected` or not."""
-        return self.corrected(system) if corrected and self.corrected else self.build(system)
+    def block(self, corrected: bool = False, system: System = PAIR) -> Block:
+        """The observer of a system, its layers, if it has any, `corrected` or not.
+
+        BlockError if it is for the pair alone.
+        """
+        if self.chains:
+            return chained(self.chains(corrected), system)
+        if self.whole is None or not system.paper:
+            raise BlockError(f"{self.label} is an observer of a mass between two muscles; it is not made of chains")
+        return self.whole()
 
     def conditions(self, p: Symbols, facts: Symbols) -> list[Condition]:
         """What its theorem and the integration step h ask of the gains."""

@@ -9,8 +9,7 @@ import casadi as ca
 from ..model.block import Block, Parameter, Symbols, symbols
 from ..model.dialect import root, sg
 from ..model.skeleton.load import MASS
-from ..model.system import PAIR, System
-from .chained import OF_JOINT, OF_MUSCLE, START, START_OF_JOINT, START_OF_MUSCLE, Chains, chain, chained
+from .chained import OF_JOINT, OF_MUSCLE, START, START_OF_JOINT, START_OF_MUSCLE, Chains, chain
 from .conditions import Condition, above
 from .layers import CORRECTION, SLOPE, correction_rates, injection, joint_corrected, layers, muscle_corrected
 from .observer import Observer, Sizes
@@ -37,10 +36,10 @@ PARAMETERS = {
 SECOND = {"alpha2": "alpha3", "c_3": "c_4"}
 
 
-def sliding_mode(system: System = PAIR, corrected: bool = False) -> Block:
-    """Its states are the estimates, unless these are `corrected`."""
+def chains(corrected: bool = False) -> Chains:
+    """Their states are the estimates, unless these are `corrected`."""
     parameters = {**PARAMETERS, **(CORRECTION if corrected else {})}
-    return chained("sliding_mode", Chains(joint(corrected), muscle(corrected), parameters, SECOND), system)
+    return Chains("sliding_mode", joint(corrected), muscle(corrected), parameters, SECOND)
 
 
 def joint(corrected: bool) -> Block:
@@ -79,11 +78,6 @@ def muscle(corrected: bool) -> Block:
     )
     block = chain("muscle", x, u, p, PARAMETERS, dx)
     return muscle_corrected(block, e3) if corrected else block
-
-
-def corrected(system: System = PAIR) -> Block:
-    """The same with corrected estimates."""
-    return sliding_mode(system, corrected=True)
 
 
 def theorem(p: Symbols, facts: Symbols) -> list[Condition]:
@@ -125,4 +119,4 @@ def gains(s: Sizes, T: float) -> dict[str, float]:
     }
 
 
-SLIDING_MODE = Observer("SMO", sliding_mode, theorem, gains, rates, corrected=corrected)
+SLIDING_MODE = Observer("SMO", chains, None, theorem, gains, rates)

@@ -16,8 +16,7 @@ import casadi as ca
 from ...model.block import Block, Parameter, Parameters, Symbols, symbols
 from ...model.skeleton.load import MASS
 from ...model.symbols import hat
-from ...model.system import PAIR, System
-from ..chained import OF_JOINT, OF_MUSCLE, Chains, chain, chained
+from ..chained import OF_JOINT, OF_MUSCLE, Chains, chain
 from ..high_gain import LIMIT
 from ..observer import Observer, Sizes
 from .parameters import FROM_BOUNDS, INPUTS, NOISE, PAPER_NOISE, densities, resolved
@@ -45,10 +44,10 @@ def butterworth(n: int) -> list[float]:
     return [math.prod(ratios[:k]) for k in range(1, n + 1)]
 
 
-def kalman_constant(system: System = PAIR) -> Block:
-    """Its states are the estimates and the rates of Δ̂ and û; it starts at the first sample."""
-    chains = Chains(_chain("joint", _OF_MASS, OF_JOINT), _chain("muscle", _OF_MUSCLE_1, OF_MUSCLE), PARAMETERS, SECOND)
-    return chained("kalman_constant", chains, system)
+def chains(corrected: bool = False) -> Chains:
+    """Their states are the estimates and the rates of Δ̂ and û; they start at the first sample."""
+    joint, muscle = _chain("joint", _OF_MASS, OF_JOINT), _chain("muscle", _OF_MUSCLE_1, OF_MUSCLE)
+    return Chains("kalman_constant", joint, muscle, PARAMETERS, SECOND)
 
 
 @dataclass(frozen=True)
@@ -96,8 +95,8 @@ def _coefficient(i: int, order: ca.SX, before: int) -> ca.SX:
 def rates(p: Symbols) -> Mapping[str, ca.SX]:
     """The poles of the three chains."""
     of_muscle_2 = replace(_OF_MUSCLE_1, density=SECOND["s_u1"])
-    chains = {"w₁": _OF_MASS, "w₃": _OF_MUSCLE_1, "w₄": of_muscle_2}
-    return {name: _frequency(p, of) for name, of in chains.items()}
+    numbers = {"w₁": _OF_MASS, "w₃": _OF_MUSCLE_1, "w₄": of_muscle_2}
+    return {name: _frequency(p, of) for name, of in numbers.items()}
 
 
 def gains(s: Sizes, T: float) -> Mapping[str, float]:
@@ -106,4 +105,4 @@ def gains(s: Sizes, T: float) -> Mapping[str, float]:
     return {"sigma_1": known.sigma_1, "sigma_L": known.sigma_L, **densities(known, T), "T": T}
 
 
-KALMAN_CONSTANT = Observer("KF const", kalman_constant, gains=gains, rates=rates, limit=LIMIT)
+KALMAN_CONSTANT = Observer("KF const", chains, gains=gains, rates=rates, limit=LIMIT)

@@ -14,7 +14,7 @@ from ...model.block import Block, Parameter, Symbols, symbols
 from ...model.curves import NGUYEN2019, PRINTED_TOE, CurveSet, tendon_parameters
 from ...model.dialect import clamp, sg
 from ...model.symbols import MUSCLES
-from ...observers.adaptive_sliding_mode import adaptive_sliding_mode
+from ...observers.adaptive_sliding_mode import ADAPTIVE_SLIDING_MODE
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,7 @@ def backstepping_as_printed(curves: CurveSet = NGUYEN2019) -> Block:
 
 def adaptive_as_printed() -> Block:
     """The adaptive observer; O2…O5 and O8 are 1 for the corrected term, 0 for the printed."""
-    right = adaptive_sliding_mode()
+    right = ADAPTIVE_SLIDING_MODE.block()
     x, u = right.x, right.u
     p = Symbols({**right.p, **symbols(OBSERVER)})
     e1, e3, e4 = u.y1 - x.x1_hat, u.L_S1 - x.x3_hat, u.L_S2 - x.x4_hat

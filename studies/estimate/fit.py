@@ -109,7 +109,7 @@ def _of_scenario(source: str | Path, changes: Mapping[str, Value], progress: Pro
         raise ScenarioError(f"{prepared.label}: the plant fails; there is nothing to be likely")
     curves, paths = prepared.scenario.curves, prepared.paths
     compiled = compiled_bank(follower_bank(curves, False, ()))
-    block = estimator(OBSERVERS[KALMAN].build(), pair_system(curves))
+    block = estimator(OBSERVERS[KALMAN].block(), pair_system(curves))
     given = prepared.scenario.given
     tendons = lengths_block(compiled.bank)
     z, slopes = measured_tendons(compiled, np.array(paths_of([tendons]).values(tendons, given)), y)

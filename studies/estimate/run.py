@@ -136,7 +136,7 @@ def _bank(pair: MusclePair, corrected: bool, chosen: Mapping[str, Observer]) -> 
     own = own_among(chosen)
     refuse_taken(own, {lengths_block(bank).name})
     for name, observer in own.items():
-        if observer.build().per_step:
+        if observer.block().per_step:
             raise ScenarioError(f"{name} moves at the points of a time grid, and a recording has none")
     return bank
 

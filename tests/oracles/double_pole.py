@@ -1,12 +1,12 @@
 """The high-gain observer written once more, its poles by their rate: what a new observer's file looks like."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import casadi as ca
 
 from hillobs.model.block import Block, Parameter, Symbols, symbols
 from hillobs.model.skeleton.load import MASS
-from hillobs.model.system import PAIR, System
 from hillobs.observers.chained import (
     OF_JOINT,
     OF_MUSCLE,
@@ -27,8 +27,12 @@ PARAMETERS = {
 }
 
 
-def double_pole(system: System = PAIR, name: str = "double_pole") -> Block:
-    return chained(name, Chains(joint(), muscle(), PARAMETERS), system)
+def chains(corrected: bool = False) -> Chains:
+    return Chains("double_pole", joint(), muscle(), PARAMETERS)
+
+
+def double_pole(name: str = "double_pole") -> Block:
+    return replace(chained(chains()), name=name)
 
 
 def joint() -> Block:
@@ -57,4 +61,4 @@ def gains(s: Sizes, T: float) -> dict[str, float]:
     return {"rate": 1 / s.eps_1}
 
 
-DOUBLE_POLE = Observer("2P", double_pole, theorem, gains, rates, 0.75)
+DOUBLE_POLE = Observer("2P", chains, None, theorem, gains, rates, 0.75)

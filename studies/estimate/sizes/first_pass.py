@@ -122,7 +122,7 @@ def compile_first_pass() -> CompiledBank:
     """The high gain observer, told tendon lengths and accelerations instead of forces."""
     u = symbols("z1 z2 acc")
     front = Block("measured", u=u, y=Symbols(y2=ca.SX(0), y3=u.acc, L_S1=u.z1, L_S2=u.z2))
-    return CompiledBank(Bank(("y1", "z1", "z2", "acc"), front, None, (HIGH_GAIN.build(),)))
+    return CompiledBank(Bank(("y1", "z1", "z2", "acc"), front, None, (HIGH_GAIN.block(),)))
 
 
 def _merged(blocks: list[Sizes]) -> Sizes:

@@ -31,7 +31,7 @@ MOST_STEPS = {
     "kalman_constant": 3,
 }
 # those that take a length without asking how stiff the tendon is
-TOLD = [name for name, observer in OBSERVERS.items() if not set(observer.build().u) & set(SLOPES)]
+TOLD = [name for name, observer in OBSERVERS.items() if not set(observer.block().u) & set(SLOPES)]
 SLIDING = ("sliding_mode", "adaptive_sliding_mode")
 
 
