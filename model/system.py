@@ -23,7 +23,7 @@ class System:
 
     A joint has the signals q, dq, Delta (acceleration that no tendon makes) and y (measured); a muscle L_S, u, a, L_C,
     taut, Phi_S, y (measured force), z and slope (the tendon's length and slope that this tells). names: (signal, joint
-    or muscle) → name, where it is not `elbow.q`, `BRA.L_S`, and so on.
+    or muscle) → name, where it is not `elbow.q`, `BRA.L_S`, and so on. pennate: the muscles with oblique fibres.
     """
 
     joints: tuple[str, ...]
@@ -33,7 +33,9 @@ class System:
     lengths: Callable[[Expressions, Symbols], list[ca.SX]]  # L_m of each muscle at coordinates q
     accelerations: Callable[[Expressions, Expressions, Expressions, Symbols], list[ca.SX]]  # by q, dq, forces
     reach: Callable[[str, Symbols], ca.SX | float]  # how far a joint, or how long a muscle, can be
+    forces: Callable[[Expressions, Expressions, Symbols], list[ca.SX]]  # that make the accelerations Delta at q
     names: Mapping[tuple[str, str], str] = field(default_factory=dict)
+    pennate: frozenset[str] = frozenset()
 
     @property
     def paper(self) -> bool:
@@ -135,6 +137,7 @@ def pair_system(curves: Curves) -> System:
         lengths=lambda q, p: lengths(q[0], p.C),
         accelerations=lambda q, dq, F, p: [pull(F) / p.m],
         reach=lambda of, p: p.C,
+        forces=lambda q, Delta, p: [p.m * Delta[0]],
         names=_PAIR,
     )
 
