@@ -10,7 +10,7 @@ from pathlib import Path
 from ....model.block import Parameter
 from ....model.curves import Curves
 from ....model.symbols import MUSCLES
-from ...files.errors import ScenarioError, TomlError
+from ...files.errors import ScenarioError, TomlError, in_file
 from ...files.numbers import within
 from ...files.quote import shown, text
 from ...files.toml import read_toml
@@ -71,10 +71,8 @@ def read_muscles(path: str | Path) -> MusclePair:
         content = read_toml(Path(path))
     except TomlError as error:
         raise ScenarioError(str(error)) from error
-    try:
+    with in_file(Path(path)):
         return muscle_pair(content, Path(path).parent)
-    except ScenarioError as error:
-        raise ScenarioError(f"{path}: {error}") from error
 
 
 def muscle_pair(content: Mapping[str, object], folder: Path | None = Path()) -> MusclePair:
