@@ -47,7 +47,15 @@ def path_of(where: str, given: object) -> Path:
 
 
 def path_over(muscle: str, given: Polynomial, joints: Mapping[str, str], held: Mapping[str, float]) -> Path:
-    """A polynomial of OpenSim over joints, by its coordinates' names, some of which stay at a number."""
+    """A polynomial of OpenSim over joints, by its coordinates' names, some of which stay at a number.
+
+    ScenarioError if a coordinate is neither, or for a wrong number of coefficients.
+    """
+    if unknown := [name for name in given.coordinates if name not in joints and name not in held]:
+        known = ", ".join(dict.fromkeys([*joints, *held])) or "none"
+        raise ScenarioError(
+            f"the path of {muscle} crosses {shown(unknown[0])}, which is no coordinate; there are {known}"
+        )
     whole_path = _checked(f"the path of {muscle}", list(given.coordinates), given.order, list(given.coefficients))
     free = held_at(whole_path, held)
     return Path(tuple(joints[name] for name in free.joints), free.terms)

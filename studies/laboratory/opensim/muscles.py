@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from ....model.curves import DEGROOTE_FREGLY2016, MILLARD2012, THELEN2003, CurveSet
-from ...files.errors import in_file
+from ...files.errors import ScenarioError, in_file
+from ...files.quote import shown
 from ..muscles import Muscle, numbers_of
 from .document import Component
+from .names import plain, refuse_equal
 
+_MUSCLE = "Muscle"
 # no muscle is known without them, and OpenSim always writes them
 _SIZES = ("max_isometric_force", "optimal_fiber_length", "tendon_slack_length")
 # so near, a model means the number that is fixed here
@@ -90,6 +93,36 @@ CLASSES: Mapping[str, MuscleClass] = {
         {**_RIGID, "ignore_passive_fiber_force": "its fibres have no passive force there and have one here"},
     ),
 }
+
+
+def muscles(forces: list[Component]) -> dict[str, Component]:
+    """The muscles among forces, of any class. ScenarioError if two have one name."""
+    found: dict[str, Component] = {}
+    for force in forces:
+        if force.element.tag.endswith(_MUSCLE):
+            if force.name in found:
+                raise ScenarioError(f"{force.where}: there is another muscle {shown(force.name)}")
+            found[force.name] = force
+    return found
+
+
+def chosen_muscles(forces: list[Component], only: Sequence[str]) -> dict[str, Component]:
+    """Those that are asked for, or all, by their names here. ScenarioError if one is missing, or its class not read."""
+    found = muscles(forces)
+    if not found:
+        raise ScenarioError("has no muscles")
+    if missing := [name for name in only if name not in found]:
+        raise ScenarioError(f"has no muscle {shown(missing[0])}; there are {', '.join(found)}")
+    names = {name: plain(name) for name in found if not only or name in only}
+    refuse_equal(names)
+    chosen = {here: found[there] for there, here in names.items()}
+    for component in chosen.values():
+        if component.element.tag not in CLASSES:
+            raise ScenarioError(
+                f"{component.where}: muscles of this class are not read, but {', '.join(CLASSES)}; "
+                "leave it out by naming others with --muscles"
+            )
+    return chosen
 
 
 def muscle(component: Component) -> tuple[Muscle, list[str]]:
