@@ -39,12 +39,13 @@ class Path:
 
 def polynomial(joints: Sequence[str], order: int, coefficients: Sequence[float]) -> Path:
     """Of all exponents with a sum of at most `order`, the last joint's rising fastest. TreeError if not as many."""
-    powers = [e for e in itertools.product(range(order + 1), repeat=len(joints)) if sum(e) <= order]
-    if len(coefficients) != len(powers):
+    terms = math.comb(order + len(joints), order)
+    if len(coefficients) != terms:
         raise TreeError(
-            f"a polynomial of order {order} in {', '.join(joints) or 'no joint'} has {len(powers)} coefficients, "
+            f"a polynomial of order {order} in {', '.join(joints) or 'no joint'} has {terms} coefficients, "
             f"not {len(coefficients)}"
         )
+    powers = [e for e in itertools.product(range(order + 1), repeat=len(joints)) if sum(e) <= order]
     least = _ROUNDING * max(map(abs, coefficients), default=0.0)
     return Path(tuple(joints), {e: c for e, c in zip(powers, coefficients, strict=True) if abs(c) > least})
 

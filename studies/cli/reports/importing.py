@@ -1,0 +1,91 @@
+"""What was taken of an OpenSim model, as tables and sentences."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+from rich.table import Table
+from rich.text import Text
+
+from ....model.skeleton.tree import SLIDER, Joint
+from ...laboratory.mechanisms.mechanism import Mechanism
+from ...laboratory.opensim.model import OpenSimModel
+
+_NONE = "–"
+
+
+def tables(model: OpenSimModel, mechanism: Mechanism) -> Iterator[Table]:
+    """The joints with what they hold, then the muscles."""
+    yield _table(
+        f"{model.name}: joints",
+        ("joint", "type", "holds", "coordinate", "range"),
+        [
+            (
+                name,
+                _kind(joint),
+                f"{joint.parent} → {joint.child}",
+                joint.alias or _NONE,
+                _range(joint),
+            )
+            for name, joint in mechanism.tree.joints.items()
+        ],
+        words=5,
+    )
+    yield _table(
+        f"{model.name}: muscles",
+        ("muscle", "class", "crosses", "F_max, N", "fibre, mm", "tendon, mm", "pennation, °", "v_max, 1/s"),
+        [
+            (
+                name,
+                model.classes[name],
+                ", ".join(mechanism.paths[name].joints) or _NONE,
+                f"{muscle.F_max:.6g}",
+                f"{muscle.optimal_fibre_length * 1e3:.4g}",
+                f"{muscle.tendon_slack_length * 1e3:.4g}",
+                f"{math.degrees(muscle.pennation):.3g}",
+                f"{muscle.v_max:.3g}",
+            )
+            for name, muscle in mechanism.muscles.items()
+        ],
+        words=3,
+    )
+
+
+def notes(model: OpenSimModel, mechanism: Mechanism) -> Iterator[str]:
+    """What was left out or differs, joints that no muscle moves, and where ranges come from."""
+    yield from model.notes
+    crossed = {joint for path in mechanism.paths.values() for joint in path.joints}
+    for name in mechanism.tree.free:
+        if name not in crossed:
+            yield f"no muscle crosses {name}, which is free: lock it with --lock {name}=… if it does not move"
+    if any(mechanism.tree.joints[name].range for name in mechanism.tree.coordinates):
+        yield "ranges are those of the model or of --range; lengths are wrong beyond those of the polynomials' fit"
+
+
+def _kind(joint: Joint) -> str:
+    if joint.locked is not None:
+        return f"{joint.kind}, locked at {joint.locked:.4g} {_unit(joint)}"
+    return f"{joint.kind}, prescribed" if joint.prescribed else joint.kind
+
+
+def _range(joint: Joint) -> str:
+    if joint.range is None or not joint.moves:
+        return _NONE
+    low, high = joint.range
+    degrees = "" if joint.kind == SLIDER else f" ({math.degrees(low):.0f} … {math.degrees(high):.0f}°)"
+    return f"{low:.3g} … {high:.3g} {_unit(joint)}{degrees}"
+
+
+def _unit(joint: Joint) -> str:
+    return "m" if joint.kind == SLIDER else "rad"
+
+
+def _table(title: str, head: Sequence[str], rows: Sequence[Sequence[str]], words: int) -> Table:
+    """A plain table; the first columns are words."""
+    table = Table(title=title, title_justify="left", box=None, padding=(0, 1, 0, 0))
+    for number, name in enumerate(head):
+        table.add_column(Text(name), justify="left" if number < words else "right", no_wrap=number == 0)
+    for row in rows:
+        table.add_row(*map(Text, row))
+    return table

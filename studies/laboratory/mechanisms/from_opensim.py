@@ -1,0 +1,18 @@
+"""An OpenSim model as a mechanism."""
+
+from __future__ import annotations
+
+from ..opensim.model import OpenSimModel
+from .mechanism import Mechanism
+from .paths import path_over
+
+
+def mechanism_from(model: OpenSimModel, source: str) -> Mechanism:
+    """The mechanism of a model that was read from a file of this name. ScenarioError says what is wrong."""
+    words = " ".join(model.credits.split())
+    return Mechanism(
+        model.tree,
+        model.muscles,
+        {name: path_over(name, path, model.joints, model.held) for name, path in model.polynomials.items()},
+        f"{model.name or 'a model'} from {source}" + (f"; credits: {words}" if words else ""),
+    )

@@ -1,0 +1,128 @@
+"""A model as a tree, muscles and polynomials, with all that was not taken in sentences."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from ....model.skeleton.tree import Joint, Tree, TreeError
+from ...files.errors import ScenarioError, in_file
+from ..muscles import Muscle
+from .bodies import bodies, link
+from .constraints import cut
+from .document import Component, Document, read_document
+from .forces import acting, left_out, springs, sprung
+from .frames import vector
+from .joints import joints
+from .muscles import chosen_muscles, muscle, muscles
+from .names import Coordinates
+from .paths import TAG, Polynomial, polynomial_of, read_paths
+
+_GRAVITY = (0.0, -9.80665, 0.0)
+
+
+@dataclass(frozen=True)
+class OpenSimModel:
+    """What a model gives: kg, m, rad, N.
+
+    joints: coordinate → the joint that moves by it; held: coordinate → the number at which it stays, and no joint of
+    the tree has it or that one is locked; classes: muscle → its class there.
+    """
+
+    name: str
+    credits: str
+    tree: Tree
+    joints: Mapping[str, str]
+    held: Mapping[str, float]
+    muscles: Mapping[str, Muscle]
+    classes: Mapping[str, str]
+    polynomials: Mapping[str, Polynomial]
+    notes: tuple[str, ...]
+
+
+def read_model(
+    path: Path,
+    paths: Path | None = None,
+    locks: Mapping[str, float] | None = None,
+    only: Sequence[str] = (),
+    ranges: Mapping[str, tuple[float, float]] | None = None,
+) -> OpenSimModel:
+    """The model of an .osim file, with the muscles that are named, or all.
+
+    paths: a file of polynomials, which count more than those of the model; locks and ranges by a joint or a coordinate.
+    ScenarioError names the file and what is not taken, with a way where there is one.
+    """
+    polynomials = read_paths(paths) if paths else {}
+    with in_file(path):
+        try:
+            return _model(read_document(path), polynomials, locks or {}, only, ranges or {})
+        except TreeError as error:
+            raise ScenarioError(str(error)) from error
+
+
+def _model(
+    document: Document,
+    polynomials: Mapping[str, Polynomial],
+    locks: Mapping[str, float],
+    only: Sequence[str],
+    ranges: Mapping[str, tuple[float, float]],
+) -> OpenSimModel:
+    of_bodies = bodies(document)
+    of_joints = joints(document, of_bodies)
+    coordinates = Coordinates(of_joints)
+    held = {own.name: own.value for joint in of_joints for own in joint.coordinates if own.locked}
+    held |= {coordinates.find(name): value for name, value in locks.items()}
+    limits = {coordinates.find(name): limit for name, limit in ranges.items()}
+    forces = acting(document)
+    of_springs = springs(forces, coordinates.names)
+    tree_joints = {
+        coordinates.joint_names[joint.name]: _limited(sprung(joint.held(held), of_springs), limits)
+        for joint in of_joints
+    }
+    gravity = vector(document.component(document.model).numbers("gravity", 3, _GRAVITY))
+    tree = Tree({name: link(body) for name, body in of_bodies.items()}, tree_joints, gravity)
+    chosen = chosen_muscles(forces, only)
+    read = {name: muscle(component) for name, component in chosen.items()}
+    of_muscles = _polynomials(chosen, polynomials)
+    notes = [
+        *cut(document, held),
+        *(sentence for _, sentences in read.values() for sentence in sentences),
+        *(
+            f"{name}: moment arms follow from its length; the functions beside it are not read"
+            for name, own in of_muscles.items()
+            if own.separate
+        ),
+        *left_out(forces, muscles(forces)),
+    ]
+    return OpenSimModel(
+        document.model.name,
+        document.component(document.model).words("credits") or "",
+        tree,
+        {joint.alias: name for name, joint in tree_joints.items() if joint.alias},
+        held,
+        {name: own for name, (own, _) in read.items()},
+        {name: component.element.tag for name, component in chosen.items()},
+        of_muscles,
+        tuple(notes),
+    )
+
+
+def _limited(joint: Joint, limits: Mapping[str, tuple[float, float]]) -> Joint:
+    return replace(joint, range=limits[joint.alias]) if joint.alias in limits else joint
+
+
+def _polynomials(chosen: Mapping[str, Component], given: Mapping[str, Polynomial]) -> dict[str, Polynomial]:
+    """The path of each muscle. ScenarioError if one has none."""
+    found: dict[str, Polynomial] = {}
+    for name, component in chosen.items():
+        if component.name in given:
+            found[name] = given[component.name]
+        elif (element := component.child(TAG)) is not None:
+            found[name] = polynomial_of(element)
+    if missing := [name for name in chosen if name not in found]:
+        raise ScenarioError(
+            f"{', '.join(missing)}: geometry without polynomials is not read; fit them with --fit, or with OpenSim's "
+            "PolynomialPathFitter, and name its FunctionBasedPathSet.xml with --paths"
+        )
+    return found
