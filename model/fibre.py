@@ -14,9 +14,7 @@ PENNATION = Parameter(
 )
 
 
-def along_fibres(
-    F: ca.SX, L_m: ca.SX, L_S: ca.SX, u: ca.SX, p: Symbols
-) -> tuple[ca.SX, ca.SX, ca.SX]:
+def along_fibres(F: ca.SX, L_m: ca.SX, L_S: ca.SX, u: ca.SX, p: Symbols) -> tuple[ca.SX, ca.SX, ca.SX]:
     """Force, length and shortening velocity along the fibres.
 
     F: tendon force; L_m, L_S: lengths of muscle and tendon; u: how fast L_m − L_S shrinks. With `pennation` among the

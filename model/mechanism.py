@@ -8,11 +8,12 @@ from collections.abc import Mapping
 import casadi as ca
 import numpy as np
 
+from .arrays import Array
 from .curves import CurveSet
 from .skeleton.newton_euler import equation_of_motion
 from .skeleton.paths import Path, moment_arms
 from .skeleton.tree import PIN, Tree
-from .system import System
+from .system import Expressions, System
 
 # how far a joint goes that has no range, in rad or reference lengths
 _ANYWHERE = 3.0
@@ -61,17 +62,17 @@ class _Laws:
         self._accelerations = ca.Function("accelerations", [q, dq, F], [acc])
         self._forces = ca.Function("forces", [q, Delta], [forces])
 
-    def lengths(self, q: list[ca.SX]) -> list[ca.SX]:
+    def lengths(self, q: Expressions) -> list[ca.SX]:
         return ca.vertsplit(self._lengths(ca.vertcat(*q)))
 
-    def accelerations(self, q: list[ca.SX], dq: list[ca.SX], F: list[ca.SX]) -> list[ca.SX]:
+    def accelerations(self, q: Expressions, dq: Expressions, F: Expressions) -> list[ca.SX]:
         return ca.vertsplit(self._accelerations(*(ca.vertcat(*values) for values in (q, dq, F))))
 
-    def forces(self, q: list[ca.SX], Delta: list[ca.SX]) -> list[ca.SX]:
+    def forces(self, q: Expressions, Delta: Expressions) -> list[ca.SX]:
         return ca.vertsplit(self._forces(ca.vertcat(*q), ca.vertcat(*Delta)))
 
-    def measure(self, places: np.ndarray) -> np.ndarray:
-        return np.array(self._lengths(places.T))
+    def measure(self, places: Array) -> Array:
+        return np.array(self._lengths(places.T), dtype=float)
 
 
 def _solved(M: ca.SX, rhs: ca.SX) -> ca.SX:
@@ -95,5 +96,5 @@ def _reaches(tree: Tree) -> dict[str, float]:
 def _longest(tree: Tree, laws: _Laws) -> list[float]:
     """The length of each muscle where it is longest within the ranges of the joints."""
     along = [np.linspace(*limits, _PLACES) for limits in _ranges(tree)]
-    lengths = laws.measure(np.array(list(itertools.product(*along))))
-    return np.abs(lengths).max(axis=1).tolist()
+    lengths = np.abs(laws.measure(np.array(list(itertools.product(*along)))))
+    return [float(length) for length in lengths.max(axis=1)]

@@ -49,10 +49,19 @@ class Chains:
 
 def chained(chains: Chains, system: System = PAIR) -> Block:
     """The observer of a system. Its inputs are the measurements, and the tendon lengths that these tell."""
+    return _observer(chains, system, _forces(system, LACK in chains.joint.y))
+
+
+def told(chains: Chains, system: System) -> Block:
+    """The same, told accelerations instead of forces, as `acc.elbow` and so on."""
+    return _observer(chains, system, _accelerations(system))
+
+
+def _observer(chains: Chains, system: System, forces: Block) -> Block:
     joints = dict(zip(system.joints, many(chains.joint, _parts("joint", system.joints)), strict=True))
     muscles = dict(zip(system.muscles, many(chains.muscle, _parts("muscle", system.muscles)), strict=True))
-    forces = _forces(system, LACK in chains.joint.y)
-    connections: dict[str, str | float] = {f"forces.{port}": port for port in forces.u if port in system.measured}
+    outside = [port for port in forces.u if port.partition(".")[0] not in (VELOCITY, LACK)]
+    connections: dict[str, str | float] = {f"forces.{port}": port for port in outside}
     names: dict[str, str] = {f"forces.{key}": key for key in forces.p}
     for of, part in joints.items():
         told = {"y1": system.name("y", of), "acc": f"forces.acc.{of}"}
@@ -63,7 +72,7 @@ def chained(chains: Chains, system: System = PAIR) -> Block:
         told = {"L_S1": system.name("z", of), **{port: f"forces.{port}.{of}" for port in ("rate", LACK)}}
         connections |= {f"{part.name}.{port}": told[port] for port in part.u}
         names |= _renamed(part, _MUSCLE, system, of, chains.second if of == MUSCLES[1] else {})
-    external = dict.fromkeys((*system.measured, *system.tendons), "staged")
+    external = dict.fromkeys((*outside, *system.tendons), "staged")
     wired = wire(chains.name, [forces, *joints.values(), *muscles.values()], connections, external)
     block = rename(wired, chains.name, names, system.estimates)
     return _with_numbers(block, chains.parameters, system)
@@ -80,6 +89,24 @@ def chain(
         y[VELOCITY] = x.x2_hat
     numbers = {name: parameters[name] for name in p}
     return Block(kind, x=x, u=u, p=p, parameters=numbers, dx=dx, x0=x0, y=y, guards=guards or Symbols())
+
+
+def views(chains: Chains, system: System) -> dict[str, dict[str, str]]:
+    """Joint or muscle → the numbers of the pair's observer, by the names of those that it and a neighbour have.
+
+    What a theorem or a rate of the pair says of its numbers is so said of each chain.
+    """
+
+    def view(joint: str, muscle: str) -> dict[str, str]:
+        names = {name: f"{muscle}.{name}" for name in chains.muscle.p}
+        names |= {chains.second.get(name, name): own for name, own in names.items()}
+        return {**names, **{name: f"{joint}.{name}" for name in chains.joint.p}}
+
+    joint, muscle = system.joints[0], system.muscles[0]
+    return {
+        **{of: view(of, muscle) for of in system.joints},
+        **{of: view(joint, of) for of in system.muscles},
+    }
 
 
 def _parts(kind: str, names: tuple[str, ...]) -> list[str]:
@@ -112,16 +139,26 @@ def _forces(system: System, lacking: bool) -> Block:
     lack = symbols(f"{LACK}.{of}" for of in system.joints if lacking)
     p = symbols(system.parameters)
     acc = system.accelerations(list(q.values()), list(dq.values()), list(F.values()), p)
-    # L̇_m = −Rᵀq̇
-    R = moment_arms(ca.vertcat(*system.lengths(list(q.values()), p)), q.vector())
-    y = Symbols({f"acc.{of}": value for of, value in zip(system.joints, acc, strict=True)})
-    for kind, velocities in (("rate", dq), (LACK, lack)):
-        if velocities:
-            rates = ca.vertsplit(-R.T @ velocities.vector())
-            y |= {f"{kind}.{of}": rate for of, rate in zip(system.muscles, rates, strict=True)}
-    used = {symbol.name() for symbol in ca.symvar(y.vector())}
+    y = {f"acc.{of}": value for of, value in zip(system.joints, acc, strict=True)}
+    y |= _rates("rate", system, q, dq, p) | (_rates(LACK, system, q, lack, p) if lacking else {})
+    used = {symbol.name() for symbol in ca.symvar(ca.vertcat(*y.values()))}
     numbers = {key: parameter for key, parameter in system.parameters.items() if key in used}
     return Block("forces", u=Symbols({**q, **F, **dq, **lack}), p=p.only(numbers), parameters=numbers, y=Symbols(y))
+
+
+def _rates(kind: str, system: System, q: Symbols, dq: Symbols, p: Symbols) -> dict[str, ca.SX]:
+    # L̇_m = −Rᵀq̇
+    R = moment_arms(ca.vertcat(*system.lengths(list(q.values()), p)), q.vector())
+    rates = ca.vertsplit(-R.T @ dq.vector())
+    return {f"{kind}.{of}": rate for of, rate in zip(system.muscles, rates, strict=True)}
+
+
+def _accelerations(system: System) -> Block:
+    """The accelerations as they come, and the rates."""
+    q, acc = symbols(system.joint("y")), symbols(f"acc.{of}" for of in system.joints)
+    dq, p = symbols(f"{VELOCITY}.{of}" for of in system.joints), symbols(system.parameters)
+    y = Symbols({**acc, **_rates("rate", system, q, dq, p)})
+    return Block("forces", u=Symbols({**q, **acc, **dq}), y=y)
 
 
 def _with_numbers(block: Block, parameters: Parameters, system: System) -> Block:

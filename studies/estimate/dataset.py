@@ -67,7 +67,11 @@ def estimate_dataset(case: Case, results: Mapping[str, Result], library: str) ->
         "force": (("time", "muscle"), y[:, 1:] * s.force, _about("N", "measured tendon forces")),
         "position_hat": (alone, s.metres(x1), _about("m", "estimated position")),
         "velocity_hat": (alone, s.velocity(stacked("x2")), _about("m/s", "estimated velocity")),
-        "disturbance_hat": (alone, s.disturbance(stacked("Delta")), _about("N", "estimated external force")),
+        "disturbance_hat": (
+            alone,
+            case.subject.disturbance(x1[..., None], stacked("Delta")[..., None])[..., 0],
+            _about("N", "estimated external force"),
+        ),
         "tendon_length_hat": (both, s.metres(L_S), _about("m", "estimated tendon lengths")),
         "fibre_length_hat": (both, s.metres(L_m - L_S), _about("m", "estimated fibre lengths")),
         "fibre_velocity_hat": (

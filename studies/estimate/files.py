@@ -11,7 +11,7 @@ import xarray as xr
 from ..files.datasets.netcdf import save_netcdf
 from ..files.tables import Series, write_csv, write_sto
 from ..files.writing import refuse_overwriting, refuse_read, remove_ours, write_whole
-from ..laboratory.columns import OPENSIM
+from ..laboratory.columns import COLUMNS
 from .scores import ESTIMATED, Score, scores_csv
 
 _TITLE = "estimates of {observer} from {source}"
@@ -54,9 +54,9 @@ def save_estimates(dataset: xr.Dataset, scores: list[Score], folder: Path) -> li
     ]
     write_csv(table, [time, position, *forces, *estimates])
     for name, path in zip(observers, of_observers, strict=False):
-        columns = [Series(OPENSIM[force.name], force.unit, force.values) for force in forces]
+        columns = [Series(COLUMNS.opensim[force.name], force.unit, force.values) for force in forces]
         columns += [
-            Series(OPENSIM[column] + suffix.removeprefix(_HAT), values.attrs["units"], values.values)
+            Series(COLUMNS.opensim[column] + suffix.removeprefix(_HAT), values.attrs["units"], values.values)
             for column, suffix, values in _columns(dataset, name)
         ]
         write_sto(path, _TITLE.format(observer=name, source=dataset.attrs["source"]), [time, *columns])
