@@ -49,7 +49,7 @@ def test_a_line_in_the_registry_is_enough() -> None:
     assert "r < 200" in json.dumps(swept.attrs)
 
     found = hillobs.estimate(RECORDING, MUSCLES, pair)
-    eps = json.loads(found.attrs["sizes"])["eps_1"]
+    eps = json.loads(found.attrs["sizes"])["joints"]["mass"]["eps"]
     assert json.loads(found.attrs["gains"])["double_pole"] == {"double_pole.rate": 1 / eps}
     same = hillobs.estimate(RECORDING, MUSCLES, "high_gain", changes={"high_gain.eps_L": eps})
     np.testing.assert_allclose(found.activation_hat.sel(observer="double_pole"), same.activation_hat[0], atol=1e-9)

@@ -180,7 +180,8 @@ def test_the_way_back_inverts_and_keeps_newton(mass: float, length: float, force
         "tendon_slack_length": 2 * length,
     }
     content["muscle2"] = {}
-    s = scales(muscle_pair(content))
+    subject = pair_subject(muscle_pair(content))
+    s = subject.scales
     value = np.array([x])
     np.testing.assert_allclose(s.metres(s.lengths(value)), value, rtol=1e-14)
     # a fibre that lengthens has u < 0, and d(L_C)/dτ = −u
@@ -189,7 +190,7 @@ def test_the_way_back_inverts_and_keeps_newton(mass: float, length: float, force
     m, Delta = s.numbers["plant.m"], np.array([0.3])
     rise = s.forces(value) / m + Delta
     acceleration = s.velocity(rise) * rate
-    np.testing.assert_allclose(mass * acceleration, value + s.disturbance(Delta), rtol=1e-12, atol=1e-12 * force)
+    np.testing.assert_allclose(mass * acceleration, value + subject.disturbance(value, Delta), rtol=1e-12, atol=1e-12 * force)
     np.testing.assert_allclose(s.tau(value), x * rate)
 
 

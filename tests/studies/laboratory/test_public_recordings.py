@@ -36,7 +36,7 @@ def test_measured_columns_are_the_inputs_and_the_plain_ones_the_truth() -> None:
     recording = read_recording(SHIPPED)
     assert (len(recording), recording.source) == (2001, SHIPPED.name)
     for name, sd in (("position", 1e-4), ("force_1", 5.0), ("force_2", 5.0)):
-        noise = getattr(recording, name) - recording.true[name]
+        noise = recording[name] - recording.true[name]
         assert np.std(noise) == pytest.approx(sd, rel=0.06)
     assert not [name for name in recording.true if "measured" in name]
     plain = read_recording(SHIPPED, {"position": "position"})
