@@ -90,7 +90,7 @@ def import_(
     if muscles is not None and not only:
         raise ScenarioError("--muscles must be names with commas between")
     place = None if out is None else _place(out)
-    read = read_model(Path(model), Path(paths) if paths else None, lock, only, range)
+    read = read_model(Path(model), None if paths is None else Path(paths), lock, only, range)
     mechanism = mechanism_from(read, Path(model).name)
     for table in tables(read, mechanism):
         print_table(table)

@@ -71,19 +71,19 @@ def _lines(content: Mapping[str, object], place: str) -> Iterator[str]:
     tables = {
         key: value for key, value in content.items() if isinstance(value, Mapping) and not (place and _few(value))
     }
-    for key, value in content.items():
-        if key not in tables:
-            yield f"{_key(key)} = {toml_value(value)}"
-    for key, value in tables.items():
-        path = f"{place}{_key(key)}"
-        if not value or any(not isinstance(inner, Mapping) for inner in value.values()):
-            yield f"\n[{path}]"
-        yield from _lines(value, f"{path}.")
+    plain = {key: value for key, value in content.items() if key not in tables}
+    # a table of tables needs no line of its own
+    if place and (plain or not tables):
+        yield f"\n[{place.removesuffix('.')}]"
+    for key, value in plain.items():
+        yield f"{_key(key)} = {toml_value(value)}"
+    for key, table in tables.items():
+        yield from _lines(table, f"{place}{_key(key)}.")
 
 
 def _few(table: Mapping[str, object]) -> bool:
-    """Whether a table is numbers only, which stay on a line."""
-    return all(isinstance(value, int | float) for value in table.values())
+    """Whether a table is a number or two, which stay on a line."""
+    return len(table) <= 2 and all(isinstance(value, int | float) for value in table.values())
 
 
 def _key(key: str) -> str:

@@ -43,8 +43,8 @@ def refuse_impossible(recording: Recording, subject: Subject) -> None:
     """RecordingError if a position is none that can be, or a force is far below 0 or above what muscles can do."""
     positions, forces = subject.positions, subject.forces
     for name, bound in positions.items():
-        _refuse(recording, name, bound.unit, recording[name] < bound.least, bound.sentence)
-        _refuse(recording, name, bound.unit, recording[name] > bound.most, f"{bound.sentence}; is it in another unit?")
+        _refuse(recording, name, bound.unit, recording[name] < bound.least, bound.below)
+        _refuse(recording, name, bound.unit, recording[name] > bound.most, bound.above)
     for name, muscle in forces.items():
         part = recording[name] / muscle.F_max
         _refuse(recording, name, "N", part < _LOWEST_FORCE, "a tendon only pulls, so forces are positive")

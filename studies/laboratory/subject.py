@@ -56,12 +56,13 @@ _BEYOND = 1.0
 
 @dataclass(frozen=True)
 class Bound:
-    """What a measured position may be, in its unit, and why."""
+    """What a measured position may be, in its unit, and what to say of what is below or above."""
 
     unit: str
     least: float
     most: float
-    sentence: str
+    below: str
+    above: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,7 +127,8 @@ def subject_again(content: Mapping[str, object]) -> Subject:
 def pair_subject(pair: MusclePair) -> Subject:
     """A pair. ScenarioError if a muscle 2 of other size has curves that only the reference muscle can have."""
     system = pair_system(pair.curves)
-    position = Bound("m", 0.0, pair.C, f"the mass is between 0 and C = {pair.C:g} m")
+    between = f"the mass is between 0 and C = {pair.C:g} m"
+    position = Bound("m", 0.0, pair.C, between, f"{between}; is it in another unit?")
     of_muscles = [name for name in _OF_MUSCLE if f"{name}_1" in COLUMNS.known]
     return Subject(
         system=system,
@@ -168,9 +170,7 @@ def _mechanism_subject(file: str) -> Subject:
         joints=joints,
         columns=columns,
         names=names,
-        positions={
-            column: _bound(mechanism, joint) for joint, column in zip(joints, names["position"], strict=True)
-        },
+        positions={column: _bound(mechanism, joint) for joint, column in zip(joints, names["position"], strict=True)},
         file=content,
     )
 
@@ -206,7 +206,8 @@ def _bound(mechanism: Mechanism, name: str) -> Bound:
     joint = mechanism.tree.joints[name]
     unit = "rad" if joint.kind == PIN else "m"
     if joint.range is None:
-        return Bound(unit, -np.inf, np.inf, "")
+        return Bound(unit, -np.inf, np.inf, "", "")
     least, most = joint.range
     beyond = _BEYOND * (most - least)
-    return Bound(unit, least - beyond, most + beyond, f"{name} goes from {least:g} to {most:g} {unit}")
+    why = f"{name} goes from {least:g} to {most:g} {unit}; is it in {'degrees' if unit == 'rad' else 'another unit'}?"
+    return Bound(unit, least - beyond, most + beyond, why, why)

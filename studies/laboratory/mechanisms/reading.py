@@ -56,7 +56,8 @@ def _mechanism(content: Mapping[str, object], folder: Path | None) -> Mechanism:
     links = {name: _link(f"links.{name}", table) for name, table in _tables(content, "links").items()}
     joints = {name: _joint(f"joints.{name}", table) for name, table in _tables(content, "joints").items()}
     tree = Tree(links, joints, gravity)
-    own = _tables(content, "muscles")
+    if not (own := _tables(content, "muscles")):
+        raise ScenarioError("a mechanism needs a muscle or more, each a table [muscles.…]")
     each = {f"muscles.{name}": table for name, table in own.items()}
     tables = MuscleTables.read(section(content, COMMON), each, folder, {"pennation": PENNATION}, ["path"])
     refuse_missing(tables.missing)

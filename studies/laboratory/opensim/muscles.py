@@ -13,7 +13,6 @@ from ..muscles import Muscle, numbers_of
 from .document import Component
 from .names import plain, refuse_equal
 
-_MUSCLE = "Muscle"
 # no muscle is known without them, and OpenSim always writes them
 _SIZES = ("max_isometric_force", "optimal_fiber_length", "tendon_slack_length")
 # so near, a model means the number that is fixed here
@@ -99,7 +98,7 @@ def muscles(forces: list[Component]) -> dict[str, Component]:
     """The muscles among forces, of any class. ScenarioError if two have one name."""
     found: dict[str, Component] = {}
     for force in forces:
-        if force.element.tag.endswith(_MUSCLE):
+        if force.element.tag in CLASSES or force.child(_SIZES[0]) is not None:
             if force.name in found:
                 raise ScenarioError(f"{force.where}: there is another muscle {shown(force.name)}")
             found[force.name] = force

@@ -21,8 +21,10 @@ class Coordinates:
         """Of a model's joints. ScenarioError if two would have one name here."""
         self.names = [own.name for joint in of_joints for own in joint.coordinates]
         moving = [joint.name for joint in of_joints if joint.coordinates]
-        self.joint_names = {joint.name: joint.name for joint in of_joints}
-        self.joint_names |= dict(zip(moving, map(plain, without_side(moving)), strict=True))
+        welds = {joint.name for joint in of_joints} - set(moving)
+        short = without_side(moving)
+        called = dict(zip(moving, moving if welds & set(short) else short, strict=True))
+        self.joint_names = {joint.name: plain(called.get(joint.name, joint.name)) for joint in of_joints}
         refuse_equal(self.joint_names)
         self._called: dict[str, list[str]] = {}
         for joint in of_joints:
@@ -59,7 +61,7 @@ def without_side(names: list[str]) -> list[str]:
     for cut_off in (str.removeprefix, str.removesuffix):
         for side in _SIDES:
             mark = f"{side}_" if cut_off is str.removeprefix else f"_{side}"
-            plain = [cut_off(name, mark) for name in names]
-            if all(short and short != name for short, name in zip(plain, names, strict=True)):
-                return plain
+            left = [cut_off(name, mark) for name in names]
+            if all(short and short != name for short, name in zip(left, names, strict=True)):
+                return left
     return names
