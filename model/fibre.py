@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import math
-
 import casadi as ca
 
 from .block import Parameter, Symbols
 
 # the height of the fibres stays, whatever their length
 PENNATION = Parameter(
-    0.0, "angle between fibres and tendon at the optimal fibre length", "muscle file", "rad", least=0, below=math.pi / 2
+    0.0, "angle between fibres and tendon at the optimal fibre length", "muscle file", "rad", least=0, most=1.4
 )
 
 

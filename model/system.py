@@ -10,6 +10,7 @@ import casadi as ca
 
 from .block import Parameter, Parameters, Symbols, symbols
 from .curves import NGUYEN2019, Curves, CurveSet, by_muscle
+from .fibre import PENNATION
 from .skeleton.load import LENGTH, MASS, lengths, pull
 from .symbols import MUSCLES, hat
 
@@ -90,7 +91,8 @@ class System:
     @functools.cached_property
     def curve_parameters(self) -> Parameters:
         """`BRA.k` … for all numbers of the muscles, shared by all Blocks that use them."""
-        return self._shared({of: self.curves[of].parameters for of in self.muscles})
+        oblique = {of: {"pennation": PENNATION} if of in self.pennate else {} for of in self.muscles}
+        return self._shared({of: {**self.curves[of].parameters, **oblique[of]} for of in self.muscles})
 
     @functools.cached_property
     def tendon_parameters(self) -> Parameters:

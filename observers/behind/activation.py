@@ -10,6 +10,7 @@ import casadi as ca
 from ...model.block import Block, Parameter, Parameters, Symbols, symbols
 from ...model.curves import CurveSet
 from ...model.dialect import clamp, outside
+from ...model.fibre import along_fibres
 from ...model.symbols import hat
 from ...model.system import PAIR, System
 
@@ -44,7 +45,7 @@ def activation_parameters(system: System = PAIR) -> Parameters:
 def activation(curves: CurveSet, L_S: ca.SX, L_m: ca.SX, u: ca.SX, p: Symbols) -> ca.SX:
     """The activation, not limited, of a muscle of length L_m that shortens with velocity u."""
     # â_j = (Φ_S(x̂_{j+2}) − Φ_P(L̂_Cj))/(g(û_j) f(L̂_Cj))   [z]
-    return curves.activation(curves.Phi_S(L_S, p), L_m - L_S, u, p)
+    return curves.activation(*along_fibres(curves.Phi_S(L_S, p), L_m, L_S, u, p), p)
 
 
 def formulas(system: System, u: Symbols, p: Symbols) -> Iterator[Formula]:

@@ -24,10 +24,11 @@ from ..files.quote import shown, table
 from ..kalman.record import Record
 from ..kalman.run import AUTO, FORMS, compile_passes
 from ..laboratory.gaps import bridged, refuse_impossible, refuse_long_steps
-from ..laboratory.muscles import MusclePair, read_muscles
+from ..laboratory.mechanisms.mechanism import Mechanism
+from ..laboratory.muscles import MusclePair
 from ..laboratory.recording import Recording, read_recording
 from ..laboratory.samples import MOST_NUMBERS
-from ..laboratory.subject import Subject, pair_subject
+from ..laboratory.subject import Subject, pair_subject, subject_of
 from ..scenarios.layers import Value
 from ..scenarios.observers import Observers, compiled_with, observers_named, own_among, refuse_taken
 from ..scenarios.paths import Paths, paths_of
@@ -59,7 +60,7 @@ KALMAN = "kalman"
 
 def estimate(
     recording: str | Path | Recording,
-    muscles: str | Path | MusclePair,
+    muscles: str | Path | MusclePair | Mechanism | Subject,
     observers: Observers = None,
     mapping: Mapping[str, str] | None = None,
     corrected: bool = True,
@@ -75,7 +76,8 @@ def estimate(
     """Follow a recording with observers and return velocities, lengths, activations and disturbance in SI.
 
     recording: CSV, .sto or .mot, also gzipped, with time, position, force_1, force_2; or one that was read.
-    muscles: a muscle file, or one that was read. observers: registered names, or Blocks of your own, which have their
+    muscles: a muscle or mechanism file, or one that was read; a mechanism's columns are named after its joints and
+    muscles, docs/mechanisms.md. observers: registered names, or Blocks of your own, which have their
     own numbers, known to no rule; the paper's three by default. mapping: name → column of the file, `column[unit]`.
     corrected: the sliding mode observers' layers are corrected. changes: gains by hand, path → value, such as
     {"high_gain.eps_h": 0.05}; all others follow the rule, docs/gains.md. keep_every: keep every n-th estimate; the
@@ -85,22 +87,22 @@ def estimate(
     know the samples until then; by default they know no later sample.
     doubt: how far numbers may be off, such as {"optimal_fibre_length": "3%", "muscle1.F_max": 50, "force_bias": "5N"};
     beside these count those of the muscle file and the usual ones, docs/observers.md#bands, unless not usual_doubt.
-    The Dataset has the dimensions time, observer, muscle. RecordingError, ScenarioError for what is wrong with the
+    The Dataset has the dimensions time, observer, muscle, of a mechanism also joint.
+    RecordingError, ScenarioError for what is wrong with the
     files, BuildError if nothing can be compiled.
     """
     chosen = observers_named(observers)
-    pair = muscles if isinstance(muscles, MusclePair) else read_muscles(muscles)
-    subject = pair_subject(pair)
+    subject = subject_of(muscles)
     bank, whole = _bank(subject, switch("corrected", corrected), chosen), _whole(subject, corrected, chosen)
     paths = paths_of([*bank.observers, *whole])
     settings = _settings(corrected, changes or {}, keep_every, paths, chosen)
     settings = replace(settings, **_smoothing(chosen, form, smooth, lag))
-    known = doubts(pair, {} if doubt is None else doubt, switch("usual_doubt", usual_doubt))
+    known = _doubts(subject, {} if doubt is None else doubt, switch("usual_doubt", usual_doubt))
     if isinstance(recording, Recording):
         parts, read = shares(progress or unseen, [1] * len(chosen)), recording
     else:
         parts = shares(progress or unseen, [1] * (1 + len(chosen)))
-        read = read_recording(recording, mapping, next(parts))
+        read = read_recording(recording, mapping, next(parts), subject.columns)
     _check_size(len(read), settings.keep_every, len(chosen))
     compiled = compiled_bank(bank)
     case = _case(read, subject, compiled, paths, settings, known)
@@ -112,15 +114,23 @@ def estimate(
     return estimate_dataset(case, results, str(compiled.path.stem))
 
 
-def compile_observers(muscles: MusclePair, observers: Observers = None, corrected: bool = True) -> None:
+def compile_observers(subject: Subject, observers: Observers = None, corrected: bool = True) -> None:
     """Compile what `estimate` needs for these, or load it from the cache: once, and then estimates begin at once."""
-    subject = pair_subject(muscles)
     compile_first_pass(subject.system)
-    compile_sensitivities(muscles.curves)
     chosen = observers_named(observers)
     compiled_bank(_bank(subject, corrected, chosen))
-    if any(observer.fitted for observer in chosen.values()):
-        compile_passes(muscles.curves)
+    if subject.pair:
+        compile_sensitivities(subject.pair.curves)
+        if any(observer.fitted for observer in chosen.values()):
+            compile_passes(subject.pair.curves)
+
+
+def _doubts(subject: Subject, given: Mapping[str, float | str], usual: bool) -> dict[str, float]:
+    if subject.pair:
+        return doubts(subject.pair, given, usual)
+    if given:
+        raise ScenarioError("numbers in doubt are for a pair of muscles so far, not for a mechanism")
+    return {}
 
 
 def recorded(read: Recording, pair: MusclePair) -> tuple[Case, Record]:
@@ -134,7 +144,7 @@ def recorded(read: Recording, pair: MusclePair) -> tuple[Case, Record]:
 
 
 def _bank(subject: Subject, corrected: bool, chosen: Mapping[str, Observer]) -> Bank:
-    bank = follower_bank(subject.system, corrected, compiled_with(chosen))
+    bank = follower_bank(subject.system, corrected, _compiled(subject, chosen))
     own = own_among(chosen)
     refuse_taken(own, {lengths_block(bank).name})
     for name, observer in own.items():
@@ -145,7 +155,15 @@ def _bank(subject: Subject, corrected: bool, chosen: Mapping[str, Observer]) -> 
 
 def _whole(subject: Subject, corrected: bool, chosen: Mapping[str, Observer]) -> tuple[Block, ...]:
     """Those that a recording is given to as a whole."""
-    return fitted_blocks(subject.system, corrected, compiled_with(chosen))
+    return fitted_blocks(subject.system, corrected, _compiled(subject, chosen))
+
+
+def _compiled(subject: Subject, chosen: Mapping[str, Observer]) -> tuple[Observer, ...]:
+    """Those of its library: of a mechanism those that are made of chains, and what was asked for."""
+    every = compiled_with(chosen)
+    if subject.pair:
+        return every
+    return tuple(observer for observer in every if observer.chains or observer in chosen.values())
 
 
 def _smoothing(chosen: Mapping[str, Observer], form: str, smooth: bool, lag: float) -> dict[str, Any]:

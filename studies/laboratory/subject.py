@@ -15,12 +15,14 @@ from ...model.arrays import Array
 from ...model.mechanism import mechanism_system
 from ...model.skeleton.tree import PIN
 from ...model.system import System, pair_system
+from ..files.errors import ScenarioError, TomlError
+from ..files.toml import read_toml
 from .columns import COLUMNS, Columns
 from .laws import Laws
 from .mechanisms.mechanism import Mechanism
-from .mechanisms.reading import mechanism_of, read_mechanism
+from .mechanisms.reading import LARGEST_FILE, mechanism_of, read_mechanism
 from .mechanisms.writing import mechanism_file
-from .muscles import Muscle, MusclePair, muscle_file, muscle_pair
+from .muscles import Muscle, MusclePair, muscle_file, muscle_pair, read_muscles
 from .scales import Scales, mechanism_scales, scales
 
 # what is measured, and what a recording may know beside it: quantity → what it is, of joints that turn or slide
@@ -71,7 +73,7 @@ class Subject:
 
     muscles: by the system's names; labels: what tables call them, and joints: the joints, if they need names at all.
     columns: of its recordings. names: quantity → the column of each joint or muscle. positions: required column → what
-    it may be. file: the muscle or mechanism file. pair: if it is one.
+    it may be. file: the muscle or mechanism file, described: what is in it.
     """
 
     system: System
@@ -83,7 +85,12 @@ class Subject:
     names: Mapping[str, tuple[str, ...]]
     positions: Mapping[str, Bound]
     file: Mapping[str, object]
-    pair: MusclePair | None = None
+    described: MusclePair | Mechanism
+
+    @property
+    def pair(self) -> MusclePair | None:
+        """The pair, if it is one."""
+        return self.described if isinstance(self.described, MusclePair) else None
 
     @functools.cached_property
     def laws(self) -> Laws:
@@ -108,13 +115,24 @@ class Subject:
 
 
 def subject_of(muscles: str | Path | MusclePair | Mechanism | Subject) -> Subject:
-    """The subject of a pair or a mechanism, or of the file of one. ScenarioError says what is wrong with it."""
+    """The subject of a pair or a mechanism, or of the file of one: a mechanism has joints.
+
+    ScenarioError says what is wrong with it.
+    """
     if isinstance(muscles, Subject):
         return muscles
+    if not isinstance(muscles, MusclePair | Mechanism):
+        muscles = read_mechanism(muscles) if _has_joints(Path(muscles)) else read_muscles(muscles)
     if isinstance(muscles, MusclePair):
         return pair_subject(muscles)
-    mechanism = muscles if isinstance(muscles, Mechanism) else read_mechanism(muscles)
-    return _mechanism_subject(json.dumps(mechanism_file(mechanism)))
+    return _mechanism_subject(json.dumps(mechanism_file(muscles)))
+
+
+def _has_joints(path: Path) -> bool:
+    try:
+        return "joints" in read_toml(path, LARGEST_FILE)
+    except TomlError as error:
+        raise ScenarioError(str(error)) from error
 
 
 def subject_again(content: Mapping[str, object]) -> Subject:
@@ -143,7 +161,7 @@ def pair_subject(pair: MusclePair) -> Subject:
         },
         positions={"position": position},
         file=muscle_file(pair),
-        pair=pair,
+        described=pair,
     )
 
 
@@ -172,6 +190,7 @@ def _mechanism_subject(file: str) -> Subject:
         names=names,
         positions={column: _bound(mechanism, joint) for joint, column in zip(joints, names["position"], strict=True)},
         file=content,
+        described=mechanism,
     )
 
 

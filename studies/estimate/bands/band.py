@@ -40,6 +40,8 @@ def deviations(case: Case, results: Mapping[str, Result]) -> dict[str, Variable]
     without it the whole is not known: both are NaN, or left out if no observer tells it.
     """
     found: dict[str, Variable] = {}
+    if case.subject.pair is None:
+        return found
     states, muscles, taut_tendons = _states(case, list(results.values())), muscle_parts(case, results), _taut(case)
     for name, (unit, words) in _ESTIMATES.items():
         parts = {part: of[name] for part, of in (("_state", states), ("_muscle", muscles)) if name in of}
