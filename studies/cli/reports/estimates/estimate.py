@@ -59,7 +59,7 @@ def notes(dataset: xr.Dataset) -> Iterator[str]:
     gains, substeps, fits = (json.loads(attributes[name]) for name in ("gains", "substeps", "fits"))
     for name in dataset.observer.values.tolist():
         steps = f"{label(name)}: {counted(substeps[name], 'step')} from sample to sample"
-        numbers = [f"{path.partition('.')[2]} = {value:.3g}" for path, value in gains[name].items()]
+        numbers = _gains({path.partition(".")[2]: value for path, value in gains[name].items()})
         yield f"{steps}; {', '.join(numbers)}" if numbers else steps
         if name in fits:
             yield from (f"  {sentence}" for sentence in decisions(fits[name], json.loads(attributes["settings"])))
@@ -74,6 +74,24 @@ def notes(dataset: xr.Dataset) -> Iterator[str]:
     if "activation_sd_muscle" in dataset:
         yield from _in_doubt(dataset.activation_sd_muscle.isel(observer=0))
     yield from violated_conditions(dataset)
+
+
+def _gains(numbers: dict[str, float]) -> list[str]:
+    """Each number, and of those that several joints or muscles have the least and the largest."""
+    by_name: dict[str, dict[str, float]] = {}
+    for path, value in numbers.items():
+        owner, _, name = path.rpartition(".")
+        by_name.setdefault(name, {})[owner] = value
+    told = []
+    for name, values in by_name.items():
+        least, most = min(values, key=values.__getitem__), max(values, key=values.__getitem__)
+        same = values[least] == values[most]
+        told.append(
+            f"{name} = {values[least]:.3g}"
+            if same
+            else f"{name} = {values[least]:.3g} ({least}) to {values[most]:.3g} ({most})"
+        )
+    return told
 
 
 def _in_doubt(deviations: xr.DataArray) -> Iterator[str]:
