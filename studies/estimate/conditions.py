@@ -14,6 +14,9 @@ from ...observers import Observer
 from ...observers.conditions import FACTS, Checked, Condition, check
 from ...observers.observer import Sizes, SystemSizes
 
+# nodes of an expression that are compared
+_DEEP = 20
+
 
 def gain_conditions(
     observer: Observer, system: System, numbers: Mapping[str, float], sizes: SystemSizes, h: float
@@ -26,7 +29,9 @@ def gain_conditions(
     checked: list[Checked] = []
     for of, view in observer.views(system, p).items():
         own = sizes.pair if system.paper else _neighbours(sizes, system, of)
-        theorem = [one for one in observer.theorem(view, about) if system.paper or _concerns(one, of, p)]
+        theorem = observer.theorem(view, about)
+        if of:
+            theorem = _each_once([one for one in theorem if _concerns(one, of, p)])
         found = check(theorem, Symbols({**p, **about}), {**numbers, **_facts(own, h)})
         checked += [replace(one, name=f"{of}: {one.name}") if of else one for one in found]
     return checked
@@ -35,6 +40,16 @@ def gain_conditions(
 def _neighbours(sizes: SystemSizes, system: System, of: str) -> Sizes:
     """Those of a joint and the first muscle, or of a muscle and the first joint."""
     return sizes.of(of, system.muscles[0]) if of in system.joints else sizes.of(system.joints[0], of)
+
+
+def _each_once(conditions: list[Condition]) -> list[Condition]:
+    """What is said of both muscles of the pair is said of one."""
+    kept: list[Condition] = []
+    for condition in conditions:
+        sides = ca.vertcat(condition.left, condition.right)
+        if not any(ca.is_equal(sides, ca.vertcat(one.left, one.right), _DEEP) for one in kept):
+            kept.append(condition)
+    return kept
 
 
 def _concerns(condition: Condition, of: str, p: Symbols) -> bool:

@@ -28,8 +28,8 @@ class Coordinates:
         refuse_equal(self.joint_names)
         self._called: dict[str, list[str]] = {}
         for joint in of_joints:
-            for called in {joint.name, self.joint_names[joint.name]}:
-                self._called[called] = [own.name for own in joint.coordinates]
+            for name in {joint.name, self.joint_names[joint.name]}:
+                self._called[name] = [own.name for own in joint.coordinates]
         self._called |= {name: [name] for name in self.names}
 
     def find(self, called: str) -> str:
