@@ -125,6 +125,12 @@ _PAIR = {
             ("slope", "slope", 0),
         )
     },
+    # guards
+    **{
+        (f"{letter}_{limit}", muscle): f"{letter}{j}_{limit}"
+        for j, muscle in enumerate(MUSCLES, start=1)
+        for letter, limit in (("a", "limit"), ("a", "infeasible"), ("z", "limit"))
+    },
 }
 
 

@@ -11,7 +11,7 @@ from ...codegen.stepper import STAGES
 from ...model.block import Block
 from ...model.closed_loop import closed_loop
 from ...model.curves import NGUYEN2019, Curves
-from ...model.pair import DRIVES
+from ...model.plant import DRIVES
 from ...model.sensors import NOISE_CHANNELS, sensors
 from ...model.signals.pulses import PULSES
 from ...model.symbols import ACTIVATIONS, QUANTITIES

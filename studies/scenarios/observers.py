@@ -7,7 +7,7 @@ from collections.abc import Container, Iterable, Mapping, Sequence
 
 from ...model.block import Block
 from ...model.curves import NGUYEN2019
-from ...model.pair import DRIVES
+from ...model.plant import DRIVES
 from ...observers import OBSERVERS, PAPER, Observer
 from ..files.errors import ScenarioError
 from ..files.quote import shown

@@ -18,7 +18,7 @@ from hillobs.codegen.loop import Loop, export_loop
 from hillobs.codegen.recordings.filters import export_bank
 from hillobs.codegen.toolchain import NATIVE, Compiler, find_compiler, target_flags
 from hillobs.model.curves import NGUYEN2019
-from hillobs.model.pair import DRIVES
+from hillobs.model.plant import DRIVES
 from hillobs.observers import OBSERVERS, PAPER
 from hillobs.studies.estimate.follow import follower_bank
 from hillobs.studies.scenarios.loops import all_paths, paper_loop

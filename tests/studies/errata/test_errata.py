@@ -15,7 +15,7 @@ from hillobs.model.block import Block, Symbols
 from hillobs.model.closed_loop import closed_loop
 from hillobs.model.curves import NGUYEN2019, NGUYEN2019_PRINTED
 from hillobs.model.dialect import root, sg
-from hillobs.model.pair import pair
+from hillobs.model.plant import plant as plant_of
 from hillobs.model.symbols import STATES, hat
 from hillobs.observers import OBSERVERS
 from hillobs.studies.cli.reports.errata import tables
@@ -106,7 +106,7 @@ class Errors:
 
     def __init__(self, observer: Block, switches: Mapping[str, float] | None = None, **fixed: float) -> None:
         rng = np.random.default_rng(7)
-        plant = pair()
+        plant = plant_of()
         # y₁ = x₁, y₂ = Φ_S(x₃), Φ_S⁻¹(y₂) = x₃ …
         seen = {"y1": plant.x.x1, "y2": plant.y.Phi_S1, "y3": plant.y.Phi_S2, "L_S1": plant.x.x3, "L_S2": plant.x.x4}
         y = [seen[port] for port in observer.u]
