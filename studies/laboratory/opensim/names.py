@@ -23,8 +23,8 @@ class Coordinates:
         moving = [joint.name for joint in of_joints if joint.coordinates]
         welds = {joint.name for joint in of_joints} - set(moving)
         short = without_side(moving)
-        called = dict(zip(moving, moving if welds & set(short) else short, strict=True))
-        self.joint_names = {joint.name: plain(called.get(joint.name, joint.name)) for joint in of_joints}
+        names = dict(zip(moving, moving if welds & set(short) else short, strict=True))
+        self.joint_names = {joint.name: plain(names.get(joint.name, joint.name)) for joint in of_joints}
         refuse_equal(self.joint_names)
         self._called: dict[str, list[str]] = {}
         for joint in of_joints:
