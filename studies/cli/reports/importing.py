@@ -90,7 +90,7 @@ def fit_notes(fitted: Fitted) -> Iterator[str]:
     for fit in fitted.fits:
         for jump in fit.jumps[:_FEW]:
             yield (
-                f"{fit.muscle} jumps by {jump.size * 1e3:.1f} mm at {jump.coordinate} = {jump.at:.4g}; "
+                f"{fit.muscle} jumps by {jump.size * 1e3:.1f} mm at {jump.coordinate} = {jump.at:.3g}; "
                 "no polynomial follows, so choose a --range without"
             )
 
