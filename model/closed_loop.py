@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from .backstepping import backstepping
-from .block import Block
+from .block import Block, Symbols
 from .curves import NGUYEN2019, Curves
 from .limits import limits
 from .pair import pair
@@ -15,6 +15,7 @@ from .signals.pulses import PULSES, pulses
 from .signals.reference import reference
 from .signals.uncertainty import uncertainty
 from .symbols import QUANTITIES, STATES
+from .system import pair_system
 from .wiring import rename, wire
 
 TAUT = ("taut1", "taut2")
@@ -56,7 +57,8 @@ def closed_loop(drive: str = "virtual", curves: Curves = NGUYEN2019, controller:
         }
     wired = wire("truth", parts, connections, {"t": "t", **dict.fromkeys(held, "held")})
     truth = rename(wired, "truth", _names(wired), outputs)
-    return replace(truth, limits=limits([*truth.x, *truth.y], truth.p["plant.C"]))
+    numbers = Symbols({"C": truth.p["plant.C"]})
+    return replace(truth, limits=limits(pair_system(curves), [*truth.x, *truth.y], numbers))
 
 
 def _names(wired: Block) -> dict[str, str]:

@@ -40,7 +40,7 @@ def observers_named(given: Observers) -> dict[str, Observer]:
 @functools.lru_cache(maxsize=64)
 def own_observer(block: Block) -> Observer:
     """A user's Block, of which no theorem, gain rule or rates are known."""
-    return Observer(block.name, lambda: block)
+    return Observer(block.name, whole=lambda: block)
 
 
 def own_among(chosen: Mapping[str, Observer]) -> dict[str, Observer]:

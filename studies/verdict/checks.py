@@ -38,7 +38,7 @@ def of_measurements(case: Case) -> Iterator[Finding]:
                 largest,
                 True,
             )
-    if (moved := float(np.ptp(case.y[:, 0]))) <= _STILL * case.sizes.sigma_1:
+    if (moved := float(np.ptp(case.y[:, 0]))) <= _STILL * case.sizes.pair.sigma_1:
         yield Finding("position", "the position stands still within its noise: a broken sensor?", moved, True)
     L_m = np.stack(lengths(case.y[:, 0], case.scales.numbers["plant.C"]), axis=1)
     for j, muscle in enumerate((case.pair.muscle1, case.pair.muscle2), start=1):

@@ -76,7 +76,7 @@ def _findings(read: Recording, pair: MusclePair, progress: Progress) -> Iterator
     yield from (plain := list(of_measurements(case)))
     inputs, activations = choices = causal_choices(record, {})
     form, outputs = estimated(record, How(), inputs, activations, 1, unseen)
-    yield of_innovations(innovations(record, inputs), min(case.sizes.sigma_F1, case.sizes.sigma_F2))
+    yield of_innovations(innovations(record, inputs), min(case.sizes.pair.sigma_F1, case.sizes.pair.sigma_F2))
     limits = [float(np.mean(outputs[f"a{j}_hat_limit"])) for j in (1, 2)]
     yield from of_estimates(case, record.columns["acc"], outputs["Delta_hat"], limits)
     yield _form(inputs, activations, form == ACTIVATIONS)

@@ -42,7 +42,7 @@ def variants(recording: Recording, pair: MusclePair) -> Iterator[Variant]:
             yield Variant(name, f"{called} {_by(factor)}", recording, other, False, caution)
     for factor in _MASSES:
         yield Variant("mass", f"a mass {_by(factor)}", recording, replace(pair, mass=pair.mass * factor), True)
-    swapped = replace(recording, force_1=recording.force_2, force_2=recording.force_1)
+    swapped = recording.remeasured(force_1=recording["force_2"], force_2=recording["force_1"])
     yield Variant("swapped", "the muscles swapped", swapped, pair, True)
 
 

@@ -103,7 +103,7 @@ def every_function() -> list[ca.Function]:
         truth = closed_loop(drive)
         table = functions(truth, HELD, (), SENSED)
         tables.append({role: rename(f, f"{drive}_{role}") for role, f in table.items()})
-    for observer in (*(estimator(o.build()) for o in OBSERVERS.values()), baseline_estimator()):
+    for observer in (*(estimator(o.block()) for o in OBSERVERS.values()), baseline_estimator()):
         tables.append(functions(observer, HELD, (*MEASURED, *LENGTHS)))
     tables.append(functions(sensors(), HELD, SENSED))
     tables.append(functions(tendons(), HELD, MEASURED))

@@ -22,7 +22,7 @@ from .parameters import FRAMES, GRAVITY, LINK, MOVING, Numbers
 from .paths import held_at, path_of, path_over
 
 # bytes; hundreds of muscles over six joints each
-_LARGEST_FILE = 5_000_000
+LARGEST_FILE = 5_000_000
 # what a file calls a field of a Joint, where it is another word
 KEYS: Mapping[str, str] = {"kind": "type", "alias": "coordinate"}
 _TOP = ["description", "gravity", "paths", "links", "joints", COMMON, "muscles"]
@@ -31,7 +31,7 @@ _TOP = ["description", "gravity", "paths", "links", "joints", COMMON, "muscles"]
 def read_mechanism(path: str | Path) -> Mechanism:
     """The mechanism of a TOML file. ScenarioError names the file and the key that is wrong, missing or unknown."""
     try:
-        content = read_toml(Path(path), _LARGEST_FILE)
+        content = read_toml(Path(path), LARGEST_FILE)
     except TomlError as error:
         raise ScenarioError(str(error)) from error
     with in_file(path):

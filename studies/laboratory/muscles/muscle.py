@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 from ....model.block import Parameter
 from ....model.curves import CurveSet
+from ....model.fibre import PENNATION
 from ...files.errors import ScenarioError
 from ...files.numbers import within
 from ...files.quote import shown, table
@@ -31,9 +32,6 @@ SIZES: Mapping[str, Parameter] = {
         below=1000,
     ),
 }
-PENNATION = Parameter(
-    0.0, "angle between fibres and tendon at the optimal fibre length", FILE, "rad", least=0, most=1.4
-)
 # what a curve set calls the sizes, in those of muscle 1; they follow from the file
 SCALED: Mapping[str, str] = {
     "F_max": "F_max",

@@ -32,8 +32,9 @@ damping = 0.1
 
 
 def part(whole: Recording, which: object, **changes: object) -> Recording:
-    cut = {name: getattr(whole, name)[which] for name in ("time", "position", "force_1", "force_2", "rows")}
-    return dataclasses.replace(whole, **{**cut, "true": {}, **changes})
+    cut = {"time": whole.time[which], "rows": whole.rows[which]}
+    measured = {name: values[which] for name, values in whole.measured.items()}
+    return dataclasses.replace(whole, **{**cut, "measured": measured, "true": {}, **changes})
 
 
 def rmse(dataset: xr.Dataset, quantity: str) -> dict[str, float]:

@@ -25,7 +25,7 @@ def test_what_cannot_be_is_a_sentence(short: Recording) -> None:
     with pytest.raises(ScenarioError, match="keep_every must be a whole number from 1 to 250,000,000, not 0"):
         estimate(short, MUSCLES, keep_every=0)
     still = dict.fromkeys(("position", "force_1", "force_2"), np.broadcast_to(0.1, 10**7))
-    many = dataclasses.replace(short, time=np.arange(1e7), **still, true={})
+    many = dataclasses.replace(short, time=np.arange(1e7), measured=still, true={})
     with pytest.raises(ScenarioError, match=r"10,000,000 samples make .* keep every 6th \(--every 6\) or fewer"):
         estimate(many, MUSCLES)
     assert estimate(short, MUSCLES).observer.values.tolist() == list(PAPER)

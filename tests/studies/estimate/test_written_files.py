@@ -50,8 +50,8 @@ def test_what_is_written_is_read_back(noisy: xr.Dataset, command: Callable[..., 
             read_recording(folder / f"estimates-{name}.sto"),
         ):
             assert recording.time.tobytes() == noisy.time.values.tobytes()
-            assert recording.position.tobytes() == noisy.position_hat.sel(observer=name).values.tobytes()
-            assert recording.force_1.tobytes() == noisy.force.sel(muscle=1).values.tobytes()
+            assert recording["position"].tobytes() == noisy.position_hat.sel(observer=name).values.tobytes()
+            assert recording["force_1"].tobytes() == noisy.force.sel(muscle=1).values.tobytes()
             assert set(recording.true) == plain
             for quantity, values in recording.true.items():
                 of = noisy[f"{quantity.rstrip('_12')}_hat"].sel(observer=name)

@@ -34,7 +34,7 @@ def scaled(name: str, factor: float) -> Callable[[Recording, MusclePair], Given]
 
 def measured(**columns: Callable[[Recording], np.ndarray]) -> Callable[[Recording, MusclePair], Given]:
     def change(recording: Recording, pair: MusclePair) -> Given:
-        return dataclasses.replace(recording, **{name: of(recording) for name, of in columns.items()}), pair
+        return recording.remeasured(**{name: of(recording) for name, of in columns.items()}), pair
 
     return change
 
@@ -60,10 +60,10 @@ WRONG = {
     "heavy": (other_mass(10.0), "a mass 0.1 times as large"),
     "light": (other_mass(0.1), "a mass 10 times as large"),
     "curves": (other_curves, "curves of another kind"),
-    "swapped": (measured(force_1=lambda r: r.force_2, force_2=lambda r: r.force_1), "the muscles swapped"),
-    "kilonewtons": (measured(force_1=lambda r: r.force_1 / 1e3, force_2=lambda r: r.force_2 / 1e3), "in kN"),
-    "millimetres": (measured(position=lambda r: r.position / 1e3), "in another unit, such as mm"),
-    "still": (measured(position=lambda r: 0 * r.position + 0.31), "stands still"),
+    "swapped": (measured(force_1=lambda r: r["force_2"], force_2=lambda r: r["force_1"]), "the muscles swapped"),
+    "kilonewtons": (measured(force_1=lambda r: r["force_1"] / 1e3, force_2=lambda r: r["force_2"] / 1e3), "in kN"),
+    "millimetres": (measured(position=lambda r: r["position"] / 1e3), "in another unit, such as mm"),
+    "still": (measured(position=lambda r: 0 * r["position"] + 0.31), "stands still"),
 }
 QUICK = ("l0-long", "swapped", "kilonewtons", "millimetres", "still")
 
@@ -104,7 +104,7 @@ def test_what_is_tried_is_tried_up_and_down_and_of_both_muscles(shipped: Given) 
         assert ratios == [getattr(v.pair.muscle2, name) / usual for v in tried if v.name == name]
         assert min(ratios) < 1 < max(ratios)
     swapped = tried[-1].recording
-    assert swapped.force_1 is recording.force_2
+    assert swapped["force_1"] is recording["force_2"]
 
 
 def test_a_command_ends_with_the_verdict_and_writes_it(command, shipped: Given, tmp_path: Path) -> None:
@@ -125,5 +125,5 @@ def test_a_command_ends_with_the_verdict_and_writes_it(command, shipped: Given, 
 
 
 def as_csv(recording: Recording) -> str:
-    columns = zip(recording.time, recording.position, recording.force_1, recording.force_2, strict=True)
+    columns = zip(recording.time, recording["position"], recording["force_1"], recording["force_2"], strict=True)
     return "\n".join(["time,position,force_1,force_2", *(",".join(map(repr, map(float, row))) for row in columns)])
