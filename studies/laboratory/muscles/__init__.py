@@ -1,11 +1,10 @@
 """Muscles in SI, from a TOML file, checked key by key, and as such a file again."""
 
-from .muscle import PENNATION, SCALED, SIZES, Muscle, numbers_of
+from .muscle import SCALED, SIZES, Muscle, numbers_of
 from .pair import PAIR, MusclePair, muscle_file, muscle_pair, read_muscles
 
 __all__ = [
     "PAIR",
-    "PENNATION",
     "SCALED",
     "SIZES",
     "Muscle",

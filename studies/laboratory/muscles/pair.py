@@ -9,13 +9,14 @@ from pathlib import Path
 
 from ....model.block import Parameter
 from ....model.curves import Curves
+from ....model.fibre import PENNATION
 from ....model.symbols import MUSCLES
 from ...files.errors import ScenarioError, TomlError, in_file
 from ...files.numbers import within
 from ...files.quote import shown, text
 from ...files.toml import read_toml
 from .keys import numbers, refuse_missing, refuse_unknown, section, with_sds
-from .muscle import FILE, PENNATION, Muscle, deviations
+from .muscle import FILE, Muscle, deviations
 from .tables import COMMON, MuscleTables, muscle_table
 
 # no default, and ranges as those of the sizes

@@ -9,11 +9,12 @@ from pathlib import Path
 
 from ....model.block import Parameter
 from ....model.curves import CURVES, NGUYEN2019_PRINTED, CurveSet
+from ....model.fibre import PENNATION
 from ...files.errors import ScenarioError
 from ...files.quote import shown
 from ..curves import SUFFIX, read_curves, tabulated_curves
 from .keys import numbers, refuse_unknown, with_sds
-from .muscle import PENNATION, SIZES, Muscle, numbers_of
+from .muscle import SIZES, Muscle, numbers_of
 
 COMMON = "muscle"
 
