@@ -58,10 +58,12 @@ def tables(model: OpenSimModel, mechanism: Mechanism) -> Iterator[Table]:
 def notes(model: OpenSimModel, mechanism: Mechanism) -> Iterator[str]:
     """What was left out or differs, joints that no muscle moves, and where ranges come from."""
     yield from model.notes
+    single = {joint.alias for joint in mechanism.tree.joints.values()}
+    if held := [f"{name} = {value:.4g}" for name, value in model.held.items() if name not in single]:
+        yield f"held in the frames of their joints: {', '.join(held)}"
     crossed = {joint for path in mechanism.paths.values() for joint in path.joints}
-    for name in mechanism.tree.free:
-        if name not in crossed:
-            yield f"no muscle crosses {name}, which is free: lock it with --lock {name}=… if it does not move"
+    if free := [name for name in mechanism.tree.free if name not in crossed]:
+        yield f"no muscle crosses {', '.join(free)}: lock what does not move, --lock {free[0]}=…"
     if any(mechanism.tree.joints[name].range for name in mechanism.tree.coordinates):
         yield "ranges are those of the model or of --range; lengths are wrong beyond those of the polynomials' fit"
 

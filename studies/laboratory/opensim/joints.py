@@ -90,7 +90,7 @@ def _held(
     document: Document, bodies: Mapping[str, Component], frames: Frames
 ) -> Iterator[tuple[Component, tuple[Fixed, Fixed]]]:
     """Each joint with its frames on the parent and on the child."""
-    for joint in document.members("JointSet"):
+    for joint in document.members("Joint"):
         yield (
             joint,
             (frames.find(socket(joint, "parent_frame"), joint), frames.find(socket(joint, "child_frame"), joint)),

@@ -8,10 +8,11 @@ from pathlib import Path
 
 from ....model.skeleton.tree import Joint, Tree, TreeError
 from ...files.errors import ScenarioError, in_file
+from ...files.quote import shown
 from ..muscles import Muscle
 from .bodies import bodies, link
 from .constraints import cut
-from .document import Component, read_document
+from .document import Component, Document, listed, read_document
 from .forces import acting, left_out, springs, sprung
 from .frames import vector
 from .joints import ReadJoint, joints
@@ -20,6 +21,7 @@ from .names import Coordinates
 from .paths import TAG, Polynomial, polynomial_of, read_paths
 
 _GRAVITY = (0.0, -9.80665, 0.0)
+_UNITS = {"length_units": "meters", "force_units": "N"}
 
 
 @dataclass(frozen=True)
@@ -92,6 +94,7 @@ def _model(
     fit: Fit | None,
 ) -> OpenSimModel:
     document = read_document(path)
+    _check_units(document)
     of_bodies = bodies(document)
     of_joints = joints(document, of_bodies)
     coordinates = Coordinates(of_joints)
@@ -113,7 +116,7 @@ def _model(
     if missing := [name for name in chosen if name not in of_muscles]:
         if fit is None:
             raise ScenarioError(
-                f"{', '.join(missing)}: geometry without polynomials is not read; fit them with --fit, or with "
+                f"{listed(missing)}: geometry without polynomials is not read; fit them with --fit, or with "
                 "OpenSim's PolynomialPathFitter, and name its FunctionBasedPathSet.xml with --paths"
             )
         there = tuple(chosen[name].name for name in missing)
@@ -142,6 +145,13 @@ def _model(
         of_muscles,
         tuple(notes),
     )
+
+
+def _check_units(document: Document) -> None:
+    for tag, unit in _UNITS.items():
+        given = document.component(document.model).words(tag) or unit
+        if given.lower().removesuffix("s") != unit.removesuffix("s").lower():
+            raise ScenarioError(f"{tag} must be {unit}, not {shown(given)}")
 
 
 def _limited(joint: Joint, limits: Mapping[str, tuple[float, float]]) -> Joint:

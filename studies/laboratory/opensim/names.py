@@ -7,6 +7,7 @@ from collections.abc import Mapping
 
 from ...files.errors import ScenarioError
 from ...files.quote import shown
+from .document import listed
 from .joints import ReadJoint
 
 # what the name of a joint or a muscle here may not have
@@ -40,7 +41,7 @@ class Coordinates:
         among = found or self.names
         raise ScenarioError(
             f"{shown(called)} {'has more than one coordinate' if found else 'is no joint and no coordinate'}; "
-            f"there are {', '.join(among) or 'none'}"
+            f"there are {listed(among) or 'none'}"
         )
 
 
