@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 from click.shell_completion import CompletionItem
 
-from ..files.errors import ScenarioError
+from ..files.errors import ScenarioError, in_file
 from ..files.numbers import parse_number
 from ..files.quote import shown
 from ..files.writing import refuse_overwriting, writable_folder, write_whole
@@ -110,7 +110,8 @@ def import_(
 
     way = fitted if fit else None
     read = read_model(Path(model), None if paths is None else Path(paths), lock, only, range, way)
-    mechanism = mechanism_from(read, Path(model).name)
+    with in_file(model):
+        mechanism = mechanism_from(read, Path(model).name)
     for table in tables(read, mechanism):
         print_table(table)
     for done in fits:

@@ -123,7 +123,7 @@ def _coordinate(coordinate: Component) -> Coordinate:
     return Coordinate(
         coordinate.name,
         coordinate.number("default_value", 0.0),
-        (low, high) if min(abs(low), abs(high)) < _NO_RANGE and low < high else None,
+        (low, high) if -_NO_RANGE < low < high < _NO_RANGE else None,
         coordinate.flag("locked"),
         coordinate.flag("prescribed"),
     )

@@ -162,6 +162,7 @@ MODELS: dict[str, str] = {
     ),
     "WeldJoint 'offset': there is no frame 'nowhere'": replaced("ground_offset</socket", "nowhere</socket"),
     "WeldJoint 'offset' has no socket_child_frame": without("<socket_child_frame>.*?</socket_child_frame>"),
+    "links.r_humerus.com[1] must be at least -20, not -180.496": replaced("0 -0.18049599999999999 0", "0 -180.496 0"),
     "has two joints called 'r_elbow'": replaced('<CustomJoint name="r_shoulder">', '<CustomJoint name="r_elbow">'),
     "has two coordinates called 'r_elbow_flex'": replaced("r_shoulder_elev", "r_elbow_flex", count=9),
     "CustomJoint 'r_shoulder' has no SpatialTransform": replaced("SpatialTransform>", "Transform>", count=2),
