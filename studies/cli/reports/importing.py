@@ -11,8 +11,11 @@ from rich.text import Text
 from ....model.skeleton.tree import SLIDER, Joint
 from ...laboratory.mechanisms.mechanism import Mechanism
 from ...laboratory.opensim.model import OpenSimModel
+from ...laboratory.path_fit.fit import Fitted
 
 _NONE = "–"
+# jumps of a muscle that are named
+_FEW = 3
 
 
 def tables(model: OpenSimModel, mechanism: Mechanism) -> Iterator[Table]:
@@ -55,12 +58,47 @@ def tables(model: OpenSimModel, mechanism: Mechanism) -> Iterator[Table]:
 def notes(model: OpenSimModel, mechanism: Mechanism) -> Iterator[str]:
     """What was left out or differs, joints that no muscle moves, and where ranges come from."""
     yield from model.notes
+    single = {joint.alias for joint in mechanism.tree.joints.values()}
+    if held := [f"{name} = {value:.4g}" for name, value in model.held.items() if name not in single]:
+        yield f"held in the frames of their joints: {', '.join(held)}"
     crossed = {joint for path in mechanism.paths.values() for joint in path.joints}
-    for name in mechanism.tree.free:
-        if name not in crossed:
-            yield f"no muscle crosses {name}, which is free: lock it with --lock {name}=… if it does not move"
+    if free := [name for name in mechanism.tree.free if name not in crossed]:
+        yield f"no muscle crosses {', '.join(free)}: lock what does not move, --lock {free[0]}=…"
     if any(mechanism.tree.joints[name].range for name in mechanism.tree.coordinates):
         yield "ranges are those of the model or of --range; lengths are wrong beyond those of the polynomials' fit"
+
+
+def fit_table(fitted: Fitted) -> Table:
+    """How far the polynomials are from the geometry, in mm."""
+    coordinates = list(dict.fromkeys(name for fit in fitted.fits for name in fit.arms))
+    return _table(
+        "Fit, mm: root mean square / largest error",
+        ("muscle", "length", *(f"moment arm of {name}" for name in coordinates)),
+        [
+            (fit.muscle, _millimetres(fit.length), *(_millimetres(fit.arms.get(name)) for name in coordinates))
+            for fit in fitted.fits
+        ],
+        words=1,
+    )
+
+
+def fit_notes(fitted: Fitted) -> Iterator[str]:
+    """Rows that OpenSim has dropped, and where lengths jump."""
+    if fitted.used != fitted.points:
+        yield (
+            f"OpenSim has used {fitted.used:,} of {fitted.points:,} points: where one has no length it drops all later "
+            "ones too; narrow the ranges"
+        )
+    for fit in fitted.fits:
+        for jump in fit.jumps[:_FEW]:
+            yield (
+                f"{fit.muscle} jumps by {jump.size * 1e3:.1f} mm at {jump.coordinate} = {jump.at:.3g}; "
+                "no polynomial follows, so choose a --range without"
+            )
+
+
+def _millimetres(errors: tuple[float, float] | None) -> str:
+    return _NONE if errors is None else " / ".join(f"{1e3 * error:.2f}" for error in errors)
 
 
 def _kind(joint: Joint) -> str:

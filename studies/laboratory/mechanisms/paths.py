@@ -12,6 +12,7 @@ from ...files.errors import ScenarioError
 from ...files.numbers import whole, within
 from ...files.quote import shown
 from ..muscles.keys import refuse_missing, refuse_unknown
+from ..opensim.document import listed
 from ..opensim.paths import Polynomial
 from .parameters import COEFFICIENT, JOINTS_MOST, LENGTH, MOMENT_ARM, ORDER_MOST
 
@@ -52,7 +53,7 @@ def path_over(muscle: str, given: Polynomial, joints: Mapping[str, str], held: M
     ScenarioError if a coordinate is neither, or for a wrong number of coefficients.
     """
     if unknown := [name for name in given.coordinates if name not in joints and name not in held]:
-        known = ", ".join(dict.fromkeys([*joints, *held])) or "none"
+        known = listed(dict.fromkeys([*joints, *held])) or "none"
         raise ScenarioError(
             f"the path of {muscle} crosses {shown(unknown[0])}, which is no coordinate; there are {known}"
         )

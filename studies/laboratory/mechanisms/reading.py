@@ -8,12 +8,12 @@ from pathlib import Path
 from typing import Any, cast
 
 from ....model.block import Parameter
+from ....model.fibre import PENNATION
 from ....model.skeleton.tree import KINDS, WELD, Joint, Link, Tree, TreeError, Vector
 from ...files.errors import ScenarioError, TomlError, in_file
 from ...files.numbers import switch, within
 from ...files.quote import shown, text
 from ...files.toml import read_toml
-from ..muscles import PENNATION
 from ..muscles.keys import refuse_missing, refuse_unknown, section
 from ..muscles.tables import COMMON, MuscleTables
 from ..opensim.paths import read_paths

@@ -15,7 +15,7 @@ _INERTIA = ("inertia_xx", "inertia_yy", "inertia_zz", "inertia_xy", "inertia_xz"
 def bodies(document: Document) -> dict[str, Component]:
     """The bodies by name, without the ground. ScenarioError if two have one name."""
     found: dict[str, Component] = {}
-    for body in document.members("BodySet"):
+    for body in document.members("Body"):
         if body.element.tag == "Body" and body.name != GROUND:
             if body.name in found:
                 raise ScenarioError(f"{body.where}: there is another body {shown(body.name)}")

@@ -2,15 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from ...files.errors import ScenarioError
 from ...files.numbers import parse_number
-from ...files.quote import shown
+from ...files.quote import short, shown
 from .xml import Element, read_xml
 
 _ROOT = "OpenSimDocument"
+# what classes of a kind end with
+_KINDS: Mapping[str, tuple[str, ...]] = {
+    "Body": ("Body",),
+    "Joint": ("Joint",),
+    "Constraint": ("Constraint",),
+    "Force": ("Muscle", "Force"),
+}
+
+
+def listed(names: Iterable[str]) -> str:
+    """Names of others with commas between, of many only the first and the last."""
+    return short(", ".join(names))
 
 
 @dataclass(frozen=True)
@@ -28,7 +41,7 @@ class Component:
     @property
     def where(self) -> str:
         """How a sentence names it."""
-        return f"{self.element.tag} {shown(self.name)}, line {self.element.line}"
+        return f"{short(self.element.tag)} {shown(self.name)}, line {self.element.line}"
 
     def child(self, tag: str) -> Element | None:
         """The first element with this tag that it or the default object holds."""
@@ -72,10 +85,13 @@ class Document:
         """An object with its defaults."""
         return Component(element, self.defaults.get(element.tag))
 
-    def members(self, set_tag: str) -> list[Component]:
-        """The objects of one of the model's sets, such as BodySet."""
-        objects = self.model.within(set_tag, "objects")
-        return [self.component(element) for element in (objects.children if objects else [])]
+    def members(self, kind: str) -> list[Component]:
+        """The objects of one of the model's sets, such as BodySet for the kind Body, and those of the kind beside."""
+        objects = self.model.within(f"{kind}Set", "objects")
+        found = list(objects.children) if objects else []
+        for place in (self.model.child("components"), self.model.within("ComponentSet", "objects")):
+            found += [element for element in (place.children if place else []) if element.tag.endswith(_KINDS[kind])]
+        return [self.component(element) for element in found]
 
 
 def read_document(path: Path) -> Document:
@@ -83,7 +99,7 @@ def read_document(path: Path) -> Document:
     root = read_root(path)
     model = root.child("Model")
     if model is None:
-        raise ScenarioError(f"has no Model, but {', '.join(child.tag for child in root.children) or 'nothing'}")
+        raise ScenarioError(f"has no Model, but {listed(child.tag for child in root.children) or 'nothing'}")
     # older versions keep them in the model
     holders = [found for place in (root, model) if (found := place.child("defaults")) is not None]
     return Document(model, {default.tag: default for holder in holders for default in holder.children})

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 from ....model.skeleton.tree import Joint
 from ...files.errors import ScenarioError
-from ...files.quote import shown
-from .document import Component, Document
+from ...files.quote import short, shown
+from .document import Component, Document, listed
 
 _SPRING = "SpringGeneralizedForce"
 _NO_FORCE = {"CoordinateActuator", "TorqueActuator", "PointActuator", "PointToPointActuator", "BodyActuator"}
@@ -28,7 +28,7 @@ def acting(document: Document) -> list[Component]:
     """The forces of a model that are not switched off."""
     return [
         force
-        for force in document.members("ForceSet")
+        for force in document.members("Force")
         if (force.words("appliesForce") or "true").lower() in ("true", "1") and not force.flag("isDisabled")
     ]
 
@@ -62,4 +62,4 @@ def left_out(forces: list[Component], muscles: Mapping[str, object]) -> Iterator
         if force.name not in muscles and force.element.tag not in (_SPRING, *_NO_FORCE):
             kinds.setdefault(force.element.tag, []).append(force.name)
     for kind, names in kinds.items():
-        yield f"{kind} {', '.join(map(shown, names))} left out: what they do counts as disturbance"
+        yield f"{short(kind)} {listed(map(shown, names))} left out: what they do counts as disturbance"

@@ -90,7 +90,7 @@ def _held(
     document: Document, bodies: Mapping[str, Component], frames: Frames
 ) -> Iterator[tuple[Component, tuple[Fixed, Fixed]]]:
     """Each joint with its frames on the parent and on the child."""
-    for joint in document.members("JointSet"):
+    for joint in document.members("Joint"):
         yield (
             joint,
             (frames.find(socket(joint, "parent_frame"), joint), frames.find(socket(joint, "child_frame"), joint)),
@@ -123,7 +123,7 @@ def _coordinate(coordinate: Component) -> Coordinate:
     return Coordinate(
         coordinate.name,
         coordinate.number("default_value", 0.0),
-        (low, high) if min(abs(low), abs(high)) < _NO_RANGE and low < high else None,
+        (low, high) if -_NO_RANGE < low < high < _NO_RANGE else None,
         coordinate.flag("locked"),
         coordinate.flag("prescribed"),
     )

@@ -15,7 +15,8 @@ from ....model.arrays import Array
 from ....model.skeleton.frames import HERE, Frame, about
 from ....model.skeleton.tree import PIN, SLIDER, WELD
 from ...files.errors import ScenarioError
-from .document import Component
+from ...files.quote import short
+from .document import Component, listed
 from .xml import Element
 
 _CUSTOM = "CustomJoint"
@@ -95,10 +96,9 @@ def single(joint: Component, axes: list[Axis], held: Mapping[str, float]) -> Sin
             raise ScenarioError(
                 f"{joint.where}: {names[0]} moves it along {len(moving)} axes; only pins and sliders are read"
             )
-        locks = " ".join(f"--lock {name}=…" for name in names[1:])
         raise ScenarioError(
-            f"{joint.where}: has {len(names)} free coordinates, {', '.join(names)}; only pins and sliders are read: "
-            f"lock all but one, such as {locks}"
+            f"{joint.where}: has {len(names)} free coordinates, {listed(names)}; only pins and sliders are read: "
+            f"lock all but one, such as with --lock {names[-1]}=…"
         )
     shift = sum((axis.constant * axis.unit for axis in axes[3:]), np.zeros(3))
     if not moving:
@@ -148,7 +148,7 @@ def _transform_axis(joint: Component, axis: Component, coordinates: list[str]) -
     if not slope:
         return Axis(direction, constant=constant)
     if len(names) != 1 or names[0] not in coordinates:
-        raise ScenarioError(f"{where}: must have one of the joint's coordinates, {', '.join(coordinates) or 'none'}")
+        raise ScenarioError(f"{where}: must have one of the joint's coordinates, {listed(coordinates) or 'none'}")
     return Axis(direction, names[0], slope, constant)
 
 
@@ -174,4 +174,6 @@ def _line(where: str, function: Element | None) -> tuple[float, float]:
             scale = own.number("scale", 1.0)
             slope, constant = _line(where, inner.children[0] if inner and inner.children else None)
             return scale * slope, scale * constant
-    raise ScenarioError(f"{where}: its function is a {function.tag}; only a Constant or a LinearFunction is read")
+    raise ScenarioError(
+        f"{where}: its function is a {short(function.tag)}; only a Constant or a LinearFunction is read"
+    )

@@ -10,7 +10,7 @@ from ....model.curves import DEGROOTE_FREGLY2016, MILLARD2012, THELEN2003, Curve
 from ...files.errors import ScenarioError, in_file
 from ...files.quote import shown
 from ..muscles import Muscle, numbers_of
-from .document import Component
+from .document import Component, listed
 from .names import plain, refuse_equal
 
 # no muscle is known without them, and OpenSim always writes them
@@ -111,7 +111,7 @@ def chosen_muscles(forces: list[Component], only: Sequence[str]) -> dict[str, Co
     if not found:
         raise ScenarioError("has no muscles")
     if missing := [name for name in only if name not in found]:
-        raise ScenarioError(f"has no muscle {shown(missing[0])}; there are {', '.join(found)}")
+        raise ScenarioError(f"has no muscle {shown(missing[0])}; there are {listed(found)}")
     names = {name: plain(name) for name in found if not only or name in only}
     refuse_equal(names)
     chosen = {here: found[there] for there, here in names.items()}

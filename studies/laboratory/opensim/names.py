@@ -7,6 +7,7 @@ from collections.abc import Mapping
 
 from ...files.errors import ScenarioError
 from ...files.quote import shown
+from .document import listed
 from .joints import ReadJoint
 
 # what the name of a joint or a muscle here may not have
@@ -23,8 +24,8 @@ class Coordinates:
         moving = [joint.name for joint in of_joints if joint.coordinates]
         welds = {joint.name for joint in of_joints} - set(moving)
         short = without_side(moving)
-        called = dict(zip(moving, moving if welds & set(short) else short, strict=True))
-        self.joint_names = {joint.name: plain(called.get(joint.name, joint.name)) for joint in of_joints}
+        names = dict(zip(moving, moving if welds & set(short) else short, strict=True))
+        self.joint_names = {joint.name: plain(names.get(joint.name, joint.name)) for joint in of_joints}
         refuse_equal(self.joint_names)
         self._called: dict[str, list[str]] = {}
         for joint in of_joints:
@@ -40,7 +41,7 @@ class Coordinates:
         among = found or self.names
         raise ScenarioError(
             f"{shown(called)} {'has more than one coordinate' if found else 'is no joint and no coordinate'}; "
-            f"there are {', '.join(among) or 'none'}"
+            f"there are {listed(among) or 'none'}"
         )
 
 

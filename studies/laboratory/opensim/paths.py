@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ...files.errors import ScenarioError, in_file
 from ...files.quote import shown
-from .document import Component, read_root
+from .document import Component, listed, read_root
 from .xml import Element
 
 TAG = "FunctionBasedPath"
@@ -49,13 +49,13 @@ def polynomial_of(element: Element) -> Polynomial:
     holder = element.child("length_function")
     functions = holder.children if holder else []
     if len(functions) != 1 or functions[0].tag != _POLYNOMIAL:
-        given = ", ".join(function.tag for function in functions) or "nothing"
+        given = listed(function.tag for function in functions) or "nothing"
         raise ScenarioError(f"{path.where}: its length_function must be a {_POLYNOMIAL}, not {given}")
     function = Component(functions[0])
     dimension, order = (_whole(path, function, tag) for tag in ("dimension", "order"))
     if dimension != len(coordinates):
         raise ScenarioError(
-            f"{path.where}: a polynomial of {dimension} arguments does not fit the coordinates {', '.join(coordinates)}"
+            f"{path.where}: a polynomial of {dimension} arguments does not fit the coordinates {listed(coordinates)}"
         )
     separate = any((held := element.child(tag)) is not None and held.children for tag in _SEPARATE)
     return Polynomial(coordinates, order, tuple(function.numbers("coefficients")), separate)

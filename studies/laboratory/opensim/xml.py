@@ -16,7 +16,7 @@ from ...files.quote import short, shown
 from ...files.reading import cause, read_whole
 
 # whole bodies with hundreds of muscles have some megabytes, a hundred thousand elements and a depth of about fifteen
-_LARGEST_FILE, _MOST_ELEMENTS, _DEEPEST = 30_000_000, 500_000, 100
+_LARGEST_FILE, _MOST_ELEMENTS, _DEEPEST, _LONGEST_NAME = 30_000_000, 500_000, 100, 200
 
 
 @dataclass
@@ -64,6 +64,7 @@ def _parsed(raw: bytes) -> Element:
     parser.buffer_text = True
     top = Element("")
     open_elements = [top]
+    pieces: dict[int, list[str]] = {}
     count = 0
 
     def start(tag: str, attributes: dict[str, str]) -> None:
@@ -72,16 +73,20 @@ def _parsed(raw: bytes) -> Element:
         if count > _MOST_ELEMENTS or len(open_elements) > _DEEPEST:
             many = f"more than {_MOST_ELEMENTS:,} elements" if count > _MOST_ELEMENTS else f"deeper than {_DEEPEST}"
             raise ScenarioError(f"line {parser.CurrentLineNumber}: {many}; no OpenSim model is so large")
+        if len(attributes.get("name", "")) > _LONGEST_NAME:
+            raise ScenarioError(f"line {parser.CurrentLineNumber}: a name of more than {_LONGEST_NAME} characters")
         element = Element(tag, attributes.get("name", ""), parser.CurrentLineNumber, attributes)
         open_elements[-1].children.append(element)
         open_elements.append(element)
 
     def end(tag: str) -> None:
         del tag
-        open_elements.pop()
+        element = open_elements.pop()
+        # joined once: with remarks between there may be a million pieces
+        element.words = "".join(pieces.pop(id(element), ()))
 
     def words(text: str) -> None:
-        open_elements[-1].words += text
+        pieces.setdefault(id(open_elements[-1]), []).append(text)
 
     def refuse(*declared: object) -> None:
         raise ScenarioError(

@@ -64,7 +64,11 @@ def test_paths_locks_ranges_and_muscles_are_heard(command: Command, tmp_path: Pa
 def test_a_joint_that_no_muscle_moves_is_told(command: Command) -> None:
     code, out, err = command("import", MODEL, "--muscles", "BRA")
     assert (code, err) == (0, "")
-    assert "no muscle crosses shoulder, which is free: lock it with --lock shoulder=…" in out
+    assert "no muscle crosses shoulder: lock what does not move, --lock shoulder=…\n" in out
+    code, out, err = command("import", str(DATA / "joints.osim"))
+    assert (code, err) == (0, "")
+    assert "no muscle crosses slide, custom, rail, universal, gimbal, planar, free: lock what" in out
+    assert "held in the frames of their joints: universal_1 = 0.35, gimbal_1 = -0.2, gimbal_3 = 0.4, " in out
 
 
 @pytest.mark.parametrize(

@@ -141,6 +141,8 @@ ELBOW = "<coordinates>r_elbow_flex</coordinates>"
 SPLINE = "<SimmSpline name='function'><x>0 1</x><y>0 1</y></SimmSpline>"
 SECOND = 'rotation2">\n\t\t\t\t\t\t\t\n\t\t\t\t\t\t\t<coordinates />'
 MODELS: dict[str, str] = {
+    "line 3: a name of more than 200 characters": replaced('"arm26"', f'"{"a" * 201}"'),
+    "length_units must be meters, not 'millimeters'": replaced("<length_units>meters", "<length_units>millimeters"),
     "Body 'base' has no mass": without(r"<mass>0</mass>"),
     "Body 'r_humerus': mass must be a number, not 'nan'": replaced("1.8645719999999999", "nan"),
     "Body 'r_humerus': mass must be a number, not 'inf'": replaced("1.8645719999999999", "inf"),
@@ -160,6 +162,7 @@ MODELS: dict[str, str] = {
     ),
     "WeldJoint 'offset': there is no frame 'nowhere'": replaced("ground_offset</socket", "nowhere</socket"),
     "WeldJoint 'offset' has no socket_child_frame": without("<socket_child_frame>.*?</socket_child_frame>"),
+    "links.r_humerus.com[1] must be at least -20, not -180.496": replaced("0 -0.18049599999999999 0", "0 -180.496 0"),
     "has two joints called 'r_elbow'": replaced('<CustomJoint name="r_shoulder">', '<CustomJoint name="r_elbow">'),
     "has two coordinates called 'r_elbow_flex'": replaced("r_shoulder_elev", "r_elbow_flex", count=9),
     "CustomJoint 'r_shoulder' has no SpatialTransform": replaced("SpatialTransform>", "Transform>", count=2),
@@ -259,6 +262,29 @@ GEOMETRY = (
     '<GeometryPath name="path"><PathPointSet><objects><PathPoint name="a"><socket_parent_frame>/bodyset/base'
     "</socket_parent_frame><location>0 0 0</location></PathPoint></objects></PathPointSet></GeometryPath>"
 )
+
+
+def test_what_stands_beside_the_sets_of_a_model_is_found(tmp_path: Path) -> None:
+    """A program may add bodies, joints and muscles as components of the model."""
+    moved, components = ARM, ""
+    for pattern in (
+        '<Body name="r_ulna.*?</Body>',
+        '<CustomJoint name="r_elbow".*?</CustomJoint>',
+        "<DeGroote.*?2016Muscle>",
+    ):
+        piece = re.search(pattern, moved, re.DOTALL)
+        assert piece is not None
+        moved, components = moved.replace(piece[0], ""), components + piece[0]
+    text = replaced("<gravity>", f"<components>{components}</components><gravity>", moved)
+    (tmp_path / "model.osim").write_text(text, encoding="utf-8")
+    found, plain = read_model(tmp_path / "model.osim"), read_model(DATA / "arm26_polynomial.osim")
+    assert (found.tree, found.polynomials) == (plain.tree, plain.polynomials)
+
+
+def test_remarks_between_digits_are_no_blanks(tmp_path: Path) -> None:
+    text = replaced("1.8645719999999999", "1.86<!-- kg -->457<!-- -->2")
+    (tmp_path / "model.osim").write_text(text, encoding="utf-8")
+    assert read_model(tmp_path / "model.osim").tree.links["r_humerus"].mass == 1.864572
 
 
 def test_geometry_without_polynomials_is_named_with_the_way_to_get_some(tmp_path: Path) -> None:
