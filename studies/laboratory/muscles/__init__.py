@@ -1,9 +1,5 @@
 """Muscles in SI, from a TOML file, checked key by key, and as such a file again."""
 
-<<<<<<< HEAD
-from ....model.fibre import PENNATION
-=======
->>>>>>> osim
 from .muscle import SCALED, SIZES, Muscle, numbers_of
 from .pair import PAIR, MusclePair, muscle_file, muscle_pair, read_muscles
 
