@@ -98,9 +98,9 @@ def import_(
     only = [name for name in map(str.strip, (muscles or "").split(",")) if name]
     if muscles is not None and not only:
         raise ScenarioError("--muscles must be names with commas between")
-    place = None if out is None else _place(out)
     if order > MOST_ORDER:
         raise ScenarioError(f"--order must be at most {MOST_ORDER}, not {order}")
+    place = None if out is None else _place(out)
     fits: list[Fitted] = []
 
     def fitted(request: FitRequest) -> Mapping[str, Polynomial]:

@@ -45,7 +45,7 @@ class ReadJoint:
     def held(self, values: Mapping[str, float]) -> Joint:
         """The joint where coordinates are held at these values. ScenarioError if it moves by more than one."""
         names = [coordinate.name for coordinate in self.coordinates]
-        # a joint with one coordinate is locked as such, and can be freed in the file
+        # a joint with one coordinate stays a pin or a slider, and says where it is locked
         alone = names if len(names) == 1 else []
         axes = motion(self.component, names)
         left = single(
