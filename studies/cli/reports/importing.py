@@ -72,7 +72,7 @@ def fit_table(fitted: Fitted) -> Table:
     """How far the polynomials are from the geometry, in mm."""
     coordinates = list(dict.fromkeys(name for fit in fitted.fits for name in fit.arms))
     return _table(
-        "Fit, mm: root mean square / largest error",
+        "Fit: root mean square / largest error, mm (moment arms: mm/rad, mm/m)",
         ("muscle", "length", *(f"moment arm of {name}" for name in coordinates)),
         [
             (fit.muscle, _millimetres(fit.length), *(_millimetres(fit.arms.get(name)) for name in coordinates))

@@ -21,7 +21,7 @@ from .names import Coordinates
 from .paths import TAG, Polynomial, polynomial_of, read_paths
 
 _GRAVITY = (0.0, -9.80665, 0.0)
-_UNITS = {"length_units": "meters", "force_units": "N"}
+_UNITS = {"length_units": ("meters", "meter", "m"), "force_units": ("newtons", "newton", "n")}
 
 
 @dataclass(frozen=True)
@@ -148,10 +148,10 @@ def _model(
 
 
 def _check_units(document: Document) -> None:
-    for tag, unit in _UNITS.items():
-        given = document.component(document.model).words(tag) or unit
-        if given.lower().removesuffix("s") != unit.removesuffix("s").lower():
-            raise ScenarioError(f"{tag} must be {unit}, not {shown(given)}")
+    for tag, units in _UNITS.items():
+        given = document.component(document.model).words(tag) or units[0]
+        if given.lower() not in units:
+            raise ScenarioError(f"{tag} must be {units[0]}, not {shown(given)}")
 
 
 def _limited(joint: Joint, limits: Mapping[str, tuple[float, float]]) -> Joint:

@@ -281,6 +281,12 @@ def test_what_stands_beside_the_sets_of_a_model_is_found(tmp_path: Path) -> None
     assert (found.tree, found.polynomials) == (plain.tree, plain.polynomials)
 
 
+@pytest.mark.parametrize("unit", ["meters", "m", "Meter"])
+def test_a_metre_has_several_names(unit: str, tmp_path: Path) -> None:
+    (tmp_path / "model.osim").write_text(replaced("<length_units>meters", f"<length_units>{unit}"), encoding="utf-8")
+    assert read_model(tmp_path / "model.osim").tree == read_model(DATA / "arm26_polynomial.osim").tree
+
+
 def test_remarks_between_digits_are_no_blanks(tmp_path: Path) -> None:
     text = replaced("1.8645719999999999", "1.86<!-- kg -->457<!-- -->2")
     (tmp_path / "model.osim").write_text(text, encoding="utf-8")
