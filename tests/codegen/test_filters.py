@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from hillobs.codegen.bank import Bank
 from hillobs.codegen.recordings.filters import CompiledBank
 from hillobs.model.block import Block, Symbols, symbols
-from hillobs.model.curves import NGUYEN2019
+from hillobs.model.system import PAIR
 from hillobs.observers import OBSERVERS
 from hillobs.studies.estimate.follow import compiled_bank, follower_bank
 from hillobs.studies.scenarios.paths import paths_of
@@ -31,7 +31,7 @@ STEP = 0.01
 
 def uncorrected() -> CompiledBank:
     observers = tuple(replace(observer, fitted=False) for observer in OBSERVERS.values())
-    return compiled_bank(follower_bank(NGUYEN2019, False, observers))
+    return compiled_bank(follower_bank(PAIR, False, observers))
 
 
 def numbers(compiled: CompiledBank, observer: str, given: Mapping[str, float] | None = None) -> np.ndarray:

@@ -62,7 +62,8 @@ PLACES: dict[str, Callable[[object], object]] = {
     ),
     "pair mass": lambda bad: dataclasses.replace(PAIR, mass=bad),
     "pair C": lambda bad: dataclasses.replace(PAIR, C=bad),
-    **{f"recording {f}": lambda bad, f=f: dataclasses.replace(RUN, **{f: bad}) for f in ("time", "force_1")},
+    "recording time": lambda bad: dataclasses.replace(RUN, time=bad),
+    "recording force_1": lambda bad: RUN.remeasured(force_1=bad),
     "recording true": lambda bad: dataclasses.replace(RUN, true={"velocity": bad}),
 }
 
