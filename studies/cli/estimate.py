@@ -138,7 +138,7 @@ def estimate(
             judged = verdict(read, subject.pair, None, progress)
         dataset.attrs |= {"quality": judged.quality, "verdict": json.dumps(judged.as_dict())}
     with bar("writing"):
-        paths = save_estimates(dataset, subject, known, folder)
+        paths = save_estimates(dataset, known, folder)
         drawn = {} if no_figures and not report else {SHEET: estimate_sheet(dataset)}
         if not no_figures:
             paths += write_figures(drawn, folder, _STEM)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import json
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
@@ -11,7 +12,7 @@ import xarray as xr
 from ..files.datasets.netcdf import save_netcdf
 from ..files.tables import Series, write_csv, write_sto
 from ..files.writing import refuse_overwriting, refuse_read, remove_ours, write_whole
-from ..laboratory.subject import Subject
+from ..laboratory.subject import subject_again
 from .scores import ESTIMATED, Score, scores_csv
 
 _TITLE = "estimates of {observer} from {source}"
@@ -32,7 +33,7 @@ def report_path(folder: Path) -> Path:
     return folder / _REPORT
 
 
-def save_estimates(dataset: xr.Dataset, subject: Subject, scores: list[Score], folder: Path) -> list[Path]:
+def save_estimates(dataset: xr.Dataset, scores: list[Score], folder: Path) -> list[Path]:
     """Write `estimates.nc`, `.csv`, an `.sto` per observer, and `scores.csv` if there are any; the paths written.
 
     The .sto files have the measured forces too, so each is a recording that can be read. What an earlier run has left
@@ -44,6 +45,7 @@ def save_estimates(dataset: xr.Dataset, subject: Subject, scores: list[Score], f
     netcdf, table, *of_observers = paths
     save_netcdf(dataset, netcdf)
     time = Series("time", "s", dataset.time.values)
+    subject = subject_again(json.loads(str(dataset.muscle_file.values)))
     names, opensim = subject.names, subject.columns.opensim
     positions, forces = (list(_parts(dataset[name], names[name])) for name in ("position", "force"))
     prefixes = {name: f"{name}." if len(observers) > 1 else "" for name in observers}

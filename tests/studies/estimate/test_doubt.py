@@ -14,10 +14,9 @@ from hillobs.studies.estimate.bands.doubt import USUAL, doubts, parse_doubt
 from hillobs.studies.estimate.bands.taut import taut
 from hillobs.studies.estimate.run import estimate
 from hillobs.studies.files.errors import ScenarioError
-from hillobs.studies.files.tables import Series, write_csv
 from hillobs.studies.laboratory.muscles import SIZES, muscle_file, muscle_pair, numbers_of, read_muscles
 from hillobs.studies.laboratory.recording import Recording
-from shipped_recording import MUSCLES
+from shipped_recording import MUSCLES, write_measured
 
 pytestmark = pytest.mark.numerics
 
@@ -95,8 +94,7 @@ BAD = [
 def test_what_is_no_doubt_is_one_sentence(
     typed: str, sentence: str, short: Recording, command: Callable[..., tuple[int, str, str]]
 ) -> None:
-    units = {"time": "s", "position": "m", "force_1": "N", "force_2": "N"}
-    write_csv(Path("short.csv"), [Series(name, unit, getattr(short, name)) for name, unit in units.items()])
+    write_measured(short, Path("short.csv"))
     code, _, err = command("estimate", "short.csv", "--muscles", str(MUSCLES), "--no-figures", "--doubt", typed)
     assert code == 2
     assert err.startswith(f"hillobs: {sentence}")

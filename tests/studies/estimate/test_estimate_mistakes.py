@@ -10,9 +10,8 @@ import pytest
 from hillobs.observers import PAPER
 from hillobs.studies.estimate.run import estimate
 from hillobs.studies.files.errors import ScenarioError
-from hillobs.studies.files.tables import Series, write_csv
 from hillobs.studies.laboratory.recording import Recording
-from shipped_recording import MUSCLES
+from shipped_recording import MUSCLES, write_measured
 
 pytestmark = pytest.mark.numerics
 
@@ -35,7 +34,7 @@ def test_what_cannot_be_is_a_sentence(short: Recording) -> None:
 @pytest.mark.parametrize(
     ("arguments", "code", "sentence"),
     [
-        ((), 2, "Missing option '--muscles'."),
+        ((), 2, "a recording needs --muscles FILE.toml, a pair, or --mechanism FILE.toml, one of"),
         (("--muscles", "nowhere.toml"), 2, "nowhere.toml: cannot be read: No such file or directory"),
         (("--muscles", "short.csv"), 2, "short.csv: not valid TOML"),
         (("--muscles", str(MUSCLES), "--observer", "luenberger"), 2, "unknown observer 'luenberger'"),
@@ -57,8 +56,7 @@ def test_what_cannot_be_is_a_sentence(short: Recording) -> None:
 def test_mistakes_on_the_command_line_are_one_sentence(
     arguments: tuple[str, ...], code: int, sentence: str, short: Recording, command: Callable[..., tuple[int, str, str]]
 ) -> None:
-    inputs = {"time": "s", "position": "m", "force_1": "N", "force_2": "N"}
-    write_csv(Path("short.csv"), [Series(name, unit, getattr(short, name)) for name, unit in inputs.items()])
+    write_measured(short, Path("short.csv"))
     exit_code, _, err = command("estimate", "short.csv", "--no-figures", *arguments)
     assert exit_code == code
     assert err.startswith(f"hillobs: {sentence}")
