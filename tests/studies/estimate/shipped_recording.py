@@ -1,6 +1,7 @@
 """The shipped noisy recording, parts of it and the errors of its estimates; the file of two unlike muscles."""
 
 import dataclasses
+from pathlib import Path
 
 import xarray as xr
 
