@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import json
 import sys
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
 import click
 
-from ..estimate.files import estimate_paths, refuse_replacing, report_path, save_estimates
+from ..estimate.files import estimate_paths, refuse_replacing, report_path, save_again, save_estimates
 from ..estimate.run import KALMAN, compile_observers
 from ..estimate.run import estimate as estimated
 from ..estimate.scores import scores
 from ..figures.estimate import SHEET, estimate_sheet
 from ..figures.page import content, figure_paths, write_figures
+from ..files.quote import escaped
 from ..files.writing import writable_folder, write_whole
 from ..kalman.run import AUTO, FORMS
 from ..laboratory.mapping import read_mapping
@@ -38,6 +41,7 @@ from .shell.options import (
     whole_option,
 )
 from .shell.own_observers import loaded
+from .shell.stopping import Stopped
 from .shell.terminal import NUMERICAL, bar, complain, print_table, say
 
 # what the figures begin with
@@ -128,23 +132,24 @@ def estimate(
         )
     reading, building, following = (after - before for before, after in itertools.pairwise(times))
     known, judged = scores(dataset), None
-    if KALMAN in dataset.observer and not no_verdict:
-        with bar("weighing") as progress:
-            judged = verdict(read, pair, None, progress)
-        dataset.attrs |= {"quality": judged.quality, "verdict": json.dumps(judged.as_dict())}
     with bar("writing"):
+        # first of all: what is said of estimates may take longer than they did
         paths = save_estimates(dataset, known, folder)
         drawn = {} if no_figures and not report else {SHEET: estimate_sheet(dataset)}
         if not no_figures:
             paths += write_figures(drawn, folder, _STEM)
-        if report:
-            lines = list(sentences(judged)) if judged else []
-            page = estimate_page(dataset, known, lines, content(drawn[SHEET], "png"))
-            write_whole(report_path(folder), page)
-            paths.append(report_path(folder))
     say(*notes(dataset), timing(dataset, reading, building, following), err=as_json)
-    if judged:
+    if KALMAN in dataset.observer and not no_verdict:
+        with _noting_what_is_kept(folder), bar("weighing") as progress:
+            judged = verdict(read, pair, None, progress)
+        dataset.attrs |= {"quality": judged.quality, "verdict": json.dumps(judged.as_dict())}
+        with bar("writing"):
+            save_again(dataset, folder)
         say("", *sentences(judged), err=as_json)
+    if report:
+        lines = list(sentences(judged)) if judged else []
+        write_whole(report_path(folder), estimate_page(dataset, known, lines, content(drawn[SHEET], "png")))
+        paths.append(report_path(folder))
     if as_json:
         say(*answer(judged, known, paths).split("\n"))
     elif known:
@@ -156,3 +161,13 @@ def estimate(
         complain(sentence)
     if ended:
         sys.exit(NUMERICAL)
+
+
+@contextlib.contextmanager
+def _noting_what_is_kept(folder: Path) -> Iterator[None]:
+    """A signal that comes while estimates are judged is noted where they are."""
+    try:
+        yield
+    except Stopped as stopped:
+        stopped.add_note(escaped(f"the estimates are in {folder}, without a verdict"))
+        raise

@@ -67,6 +67,12 @@ def save_estimates(dataset: xr.Dataset, scores: list[Score], folder: Path) -> li
     return paths
 
 
+def save_again(dataset: xr.Dataset, folder: Path) -> None:
+    """Write `estimates.nc` anew: what was found out about the estimates since is in the attributes of the Dataset."""
+    netcdf, *_ = estimate_paths(folder, [], scored=False)
+    save_netcdf(dataset, netcdf)
+
+
 def refuse_replacing(folder: Path, paths: Sequence[Path]) -> None:
     """ResultError if one of the `paths` to be written, or a leftover in their `folder`, must stay as it is."""
     refuse_overwriting(paths)

@@ -1,4 +1,4 @@
-"""What looks wrong in a recording before any likelihood is asked: units, a sensor that stands still, limits."""
+"""What looks wrong in a recording before any likelihood is asked: units, sensors that are dead, limits."""
 
 from __future__ import annotations
 
@@ -15,31 +15,39 @@ from .finding import Finding
 _LEAST_FORCE = 0.005
 # optimal fibre lengths that a fibre can have, and the share of samples that may lie beyond
 _SHORTEST, _LONGEST, _SHARE = 0.3, 1.9, 0.05
-# a position that moves less than so many of its standard deviations stands still
-_STILL = 6.0
+# a signal whose standard deviation is below so many of that of its noise stands still
+_STILL = 2.0
 # share of samples whose activation may be at a limit
 _LIMITED = 0.1
 # the rest of the acceleration, over that which the forces explain
 _UNEXPLAINED = 3.0
 # innovations over their standard deviations: mean square, and correlation from sample to sample
 _SIZE, _COLOUR = (0.7, 1.4), 0.25
+# a ratio from here on has no decimals
+_TEN = 10.0
 # noise below this, in F₀, is that of digits
 _NO_NOISE = 1e-6
 
 
 def of_measurements(case: Case) -> Iterator[Finding]:
     """Of positions and forces as they are."""
+    sigmas = case.sizes.sigma_1, case.sizes.sigma_F1, case.sizes.sigma_F2
+    if _stands_still(case.y[:, 0], sigmas[0]):
+        yield _still("position", "a broken sensor?", case.y[:, 0])
     for j, muscle in enumerate((case.pair.muscle1, case.pair.muscle2), start=1):
-        largest = float(np.max(case.y[:, j])) * case.scales.force / muscle.F_max
-        if largest < _LEAST_FORCE:
+        force = case.y[:, j]
+        largest = float(np.max(force)) * case.scales.force / muscle.F_max
+        if not force.any():
+            yield Finding("force", f"force_{j} is 0 throughout: a dead sensor, or a muscle that is slack", 0.0, True)
+        elif largest < _LEAST_FORCE:
             yield Finding(
                 "force",
                 f"force_{j} is never above {largest:.2g} F_max of its muscle: it may be in kN, or F_max is another",
                 largest,
                 True,
             )
-    if (moved := float(np.ptp(case.y[:, 0]))) <= _STILL * case.sizes.sigma_1:
-        yield Finding("position", "the position stands still within its noise: a broken sensor?", moved, True)
+        elif _stands_still(force, sigmas[j]):
+            yield _still(f"force_{j}", "a dead sensor or amplifier?", force)
     L_m = np.stack(lengths(case.y[:, 0], case.scales.numbers["plant.C"]), axis=1)
     for j, muscle in enumerate((case.pair.muscle1, case.pair.muscle2), start=1):
         fibre = (L_m[:, j - 1] - case.z[:, j - 1]) * case.scales.length / muscle.optimal_fibre_length
@@ -57,12 +65,14 @@ def of_measurements(case: Case) -> Iterator[Finding]:
 def of_estimates(case: Case, acc: Array, Delta: Array, limited: Sequence[float]) -> Iterator[Finding]:
     """Of what a filter makes of them: acc, what the forces do to the mass (n); Delta, the rest (n)."""
     explained, rest = float(np.std(acc)), float(np.std(Delta))
-    if rest > _UNEXPLAINED * explained:
+    # forces that stand still explain nothing, whatever the mass
+    if explained and rest > _UNEXPLAINED * explained:
+        ratio = rest / explained
         yield Finding(
             "acceleration",
-            f"the mass accelerates {rest / explained:.2g} times as much as the forces explain: it may be smaller, or "
-            "the forces may be in kN",
-            rest / explained,
+            f"the mass accelerates {_times(ratio)} as much as the forces explain: it may be smaller, or the forces may "
+            "be in kN",
+            ratio,
             True,
         )
     for j, share in enumerate(limited, start=1):
@@ -88,3 +98,16 @@ def of_innovations(ratios: Array, noise: float) -> Finding:
         f"correlation from sample to sample {', '.join(f'{c:.2f}' for c in colour)} (0 is right)"
     )
     return Finding("innovations", sentence, float(np.max(np.abs(size - 1))), wrong)
+
+
+def _stands_still(signal: Array, sigma: float) -> bool:
+    return float(np.std(signal)) <= _STILL * sigma or not np.ptp(signal)
+
+
+def _still(name: str, why: str, signal: Array) -> Finding:
+    return Finding(name.partition("_")[0], f"{name} stands still within its noise: {why}", float(np.ptp(signal)), True)
+
+
+def _times(ratio: float) -> str:
+    """`3.2 times`, `1,200 times`."""
+    return f"{ratio:,.0f} times" if ratio >= _TEN else f"{ratio:.1f} times"
