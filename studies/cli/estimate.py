@@ -26,7 +26,7 @@ from ..laboratory.muscles import read_muscles
 from ..laboratory.recording import read_recording
 from ..scenarios.layers import Value
 from ..scenarios.observers import observers_named
-from ..verdict.run import verdict
+from ..verdict.run import judged
 from .reports.estimates.estimate import failures, notes, score_table, timing
 from .reports.estimates.estimate_page import estimate_page
 from .reports.estimates.verdict import answer, sentences
@@ -131,7 +131,7 @@ def estimate(
             not no_doubt,
         )
     reading, building, following = (after - before for before, after in itertools.pairwise(times))
-    known, judged = scores(dataset), None
+    known, found = scores(dataset), None
     with bar("writing"):
         # first of all: what is said of estimates may take longer than they did
         paths = save_estimates(dataset, known, folder)
@@ -141,17 +141,17 @@ def estimate(
     say(*notes(dataset), timing(dataset, reading, building, following), err=as_json)
     if KALMAN in dataset.observer and not no_verdict:
         with _noting_what_is_kept(folder), bar("weighing") as progress:
-            judged = verdict(read, pair, None, progress)
-        dataset.attrs |= {"quality": judged.quality, "verdict": json.dumps(judged.as_dict())}
+            found = judged(read, pair, dataset, progress)
+        dataset.attrs |= {"quality": found.quality, "verdict": json.dumps(found.as_dict())}
         with bar("writing"):
             save_again(dataset, folder)
-        say("", *sentences(judged), err=as_json)
+        say("", *sentences(found), err=as_json)
     if report:
-        lines = list(sentences(judged)) if judged else []
+        lines = list(sentences(found)) if found else []
         write_whole(report_path(folder), estimate_page(dataset, known, lines, content(drawn[SHEET], "png")))
         paths.append(report_path(folder))
     if as_json:
-        say(*answer(judged, known, paths).split("\n"))
+        say(*answer(found, known, paths).split("\n"))
     elif known:
         say("")
         print_table(score_table(known))

@@ -11,10 +11,8 @@ import numpy as np
 from ...codegen.failure import Failure
 from ...model.arrays import Array
 from ...model.block import STEP, Block
-from ...observers.kalman.activations import ACTIVATIONS_MODEL
-from ...observers.kalman.inputs import INPUTS_MODEL
 from ..files.progress import Progress
-from ..kalman.orders import Choice, manifest
+from ..kalman.orders import Choice, found_numbers, manifest
 from ..kalman.record import Record, refuse_short
 from ..kalman.run import ACTIVATIONS, How, Passed, passed
 from ..kalman.tendons import about_estimates
@@ -38,7 +36,7 @@ def fitted_result(case: Case, block: Block, numbers: Mapping[str, float], progre
         late = case.tau[case.kept] >= failure.time
         for values in (*y.values(), *guards.values()):
             values[late] = np.nan
-    gains = {f"{block.name}.{name}": value for name, value in _chosen(found).fit.numbers.items() if name in _SHOWN}
+    gains = {f"{block.name}.{name}": value for name, value in found_numbers(_chosen(found)).items()}
     return Result(y, guards, gains, 1, [], failure, _told(found))
 
 
@@ -47,14 +45,6 @@ def record_of(case: Case, numbers: Mapping[str, float]) -> Record:
     return about_estimates(
         Record(case.tau, case.y, case.z, case.slopes, ~case.gaps, numbers, case.sizes, case.period, case.pair.curves)
     )
-
-
-# numbers of the models that are found, or asked for; the others are the muscles', or start the filter
-_SHOWN = {
-    name
-    for name in (*INPUTS_MODEL.parameters, *ACTIVATIONS_MODEL.parameters)
-    if name.startswith(("s_", "sigma", "order"))
-}
 
 
 def _how(case: Case) -> How:

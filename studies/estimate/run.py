@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -122,12 +123,17 @@ def compile_observers(muscles: MusclePair, observers: Observers = None, correcte
         compile_passes(muscles.curves)
 
 
-def recorded(read: Recording, pair: MusclePair) -> tuple[Case, Record]:
-    """A recording with its muscles, and as the Kalman filter takes it. RecordingError for what no muscle can do."""
+def recorded(
+    read: Recording, pair: MusclePair, changes: Mapping[str, float] = MappingProxyType({})
+) -> tuple[Case, Record]:
+    """A recording with its muscles, and as the Kalman filter takes it. RecordingError for what no muscle can do.
+
+    changes: path → value of its numbers by hand.
+    """
     chosen = observers_named(KALMAN)
     bank, (block,) = _bank(pair, True, chosen), _whole(pair, True, chosen)
     paths = paths_of([*bank.observers, block])
-    case = _case(read, pair, compiled_bank(bank), paths, Settings(True, {}, 1), {})
+    case = _case(read, pair, compiled_bank(bank), paths, Settings(True, changes, 1), {})
     return case, record_of(case, _numbers(case, paths, block))
 
 

@@ -23,6 +23,9 @@ _USUAL, _OTHERS = 2, (1, 3)
 # the least of the second pass's densities, in what they are at first: where they mean nothing
 _LEAST = 1e-4
 
+# how the names of noise, densities and orders begin
+_FOUND = ("s_", "sigma", "order")
+
 # order of Δ, order of u or a → fit
 Fitting = Callable[[int, int], Fit]
 
@@ -87,9 +90,15 @@ def chosen_activations(record: Record, tables: Sequence[Array], first: Choice, b
     return replace(choice, fit=replace(better, passes=choice.fit.passes + without.passes))
 
 
+def found_numbers(choice: Choice) -> dict[str, float]:
+    """Noise, densities and orders by name, found or asked for; the others are the muscles', or start the filter."""
+    return {name: value for name, value in choice.fit.numbers.items() if name.startswith(_FOUND)}
+
+
 def manifest(choice: Choice) -> dict[str, Any]:
     """A choice in words of JSON."""
     return {
+        "numbers": found_numbers(choice),
         "orders": list(choice.orders),
         "log_likelihood": choice.fit.log_likelihood,
         "passes": choice.fit.passes,
