@@ -94,7 +94,7 @@ def over_option() -> Decorator:
 
 
 def doubt_option() -> Decorator:
-    """`--doubt NAME=SD`, which may be repeated: a dict; of a name given twice the last counts."""
+    """`--doubt NAME=SD`, which may be repeated, but not of one number: a dict."""
     return click.option(
         "--doubt",
         multiple=True,
@@ -136,7 +136,10 @@ def _changes(ctx: click.Context, param: click.Parameter, typed: tuple[str, ...])
 
 
 def _doubts(ctx: click.Context, param: click.Parameter, typed: tuple[str, ...]) -> dict[str, float | str]:
-    return dict(parse_doubt(text) for text in typed)
+    doubts = dict(parse_doubt(text) for text in typed)
+    if len(doubts) < len(typed):
+        raise ScenarioError("a number is given to --doubt twice")
+    return doubts
 
 
 def _axes(ctx: click.Context, param: click.Parameter, typed: tuple[str, ...]) -> dict[str, Values]:

@@ -146,6 +146,12 @@ def test_a_doubt_is_typed_with_or_without_its_unit() -> None:
     assert doubts(PAIR, {"C": "1e1 mm"}, usual=False) == pytest.approx({"C": 0.01})
 
 
+def test_a_number_is_not_doubted_twice(command: Callable[..., tuple[int, str, str]]) -> None:
+    given = ("estimate", "short.csv", "--muscles", str(MUSCLES), "--doubt", "F_max=3%", "--doubt", "F_max=4%")
+    code, _, err = command(*given)
+    assert (code, err) == (2, "hillobs: a number is given to --doubt twice\n")
+
+
 def test_a_length_is_known_from_five_sigma_on_until_the_force_is_gone() -> None:
     force = np.array([3.0, 6.0, 4.0, 1.0, 0.0, 4.0, 5.0, 5.1, 2.0, -1.0, 6.0])
     known = [False, True, True, True, False, False, False, True, True, False, True]

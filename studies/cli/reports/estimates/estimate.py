@@ -14,6 +14,7 @@ from rich.text import Text
 from .....model.arrays import Array
 from .....model.skeleton import pull
 from .....observers import label
+from ....estimate.bands.doubt import stated
 from ....estimate.scores import BOTH, SETTLED, WITHIN_95, Score
 from ..conditions import violated_conditions
 from ..number import counted, number
@@ -31,6 +32,8 @@ _SHOWN = {
 _FEW = 3
 # a time from here on has no decimals
 _WHOLE = 10.0
+# an activation that may be off by more is not known at all
+_ALL = 1.0
 # a step longer than this many of the usual is worth a word
 _UNEVEN = 1.1
 # the mass's acceleration over the muscles' pull: how steep is clearly against it, and how large is no slow motion,
@@ -75,19 +78,27 @@ def notes(dataset: xr.Dataset) -> Iterator[str]:
             ):
                 if (active := of[what].sel(muscle=j).values > 0).any():
                     yield f"  {sentence} {_episodes(time, active)}"
-    if "activation_sd_muscle" in dataset:
-        yield from _in_doubt(dataset.activation_sd_muscle.isel(observer=0))
+    yield from _in_doubt(dataset)
     yield from violated_conditions(dataset)
 
 
-def _in_doubt(deviations: xr.DataArray) -> Iterator[str]:
-    """What the numbers in doubt do to the activations in the mean over time, if their deviations are known at any."""
-    mean = float(np.sqrt((deviations**2).mean()))
-    if np.isfinite(mean):
-        yield (
-            f"activations may be off by {number(WITHIN_95 * mean)} (95 %) since the muscles' numbers are known only so "
-            "well, see --doubt"
-        )
+def _in_doubt(dataset: xr.Dataset) -> Iterator[str]:
+    """Which numbers are in doubt, and what they do to the activations at most times; of the observer with all parts."""
+    observer = next((name for name in dataset.observer.values.tolist() if _knows_noise(dataset, name)), None)
+    if "activation_sd_muscle" in dataset:
+        of = dataset.sel(observer=observer) if observer else dataset.isel(observer=0)
+        off, whose = WITHIN_95 * float(of.activation_sd_muscle.median()), label(str(of.observer.values))
+        why = "since the muscles' numbers are known only so well, see --doubt"
+        if off > _ALL:
+            yield f"how far the activations of {whose} may be off cannot be told, {why}"
+        elif np.isfinite(off):
+            yield f"the activations of {whose} may be off by {number(off)} (95 %, median over time) {why}"
+    if doubt := json.loads(dataset.attrs["doubt"]):
+        yield f"  standard deviations: {', '.join(f'{name} {sd}' for name, sd in stated(doubt).items())}"
+
+
+def _knows_noise(dataset: xr.Dataset, observer: str) -> bool:
+    return "activation_sd_state" in dataset and bool(dataset.activation_sd_state.sel(observer=observer).notnull().any())
 
 
 def failures(dataset: xr.Dataset) -> Iterator[str]:
