@@ -11,7 +11,7 @@ from click.shell_completion import CompletionItem
 from ....observers import OBSERVERS
 from ...estimate.bands.doubt import parse_doubt
 from ...files.errors import ScenarioError
-from ...files.numbers import parse_number, typed_whole
+from ...files.numbers import NUMBER, number, typed_whole
 from ...files.quote import shown
 from ...scenarios.layers import Value, shipped
 from ...scenarios.loops import all_paths
@@ -123,7 +123,9 @@ def seconds_option(name: str, sentence: str) -> Decorator:
         digits, factor = next(
             (typed.removesuffix(unit), factor) for unit, factor in _SECONDS.items() if typed.endswith(unit)
         )
-        seconds = parse_number(name, digits) * factor
+        if not NUMBER.fullmatch(digits):
+            raise ScenarioError(f"{name} must be a time in ms or s, such as 20ms or 0.02s, not {shown(typed)}")
+        seconds = number(name, float(digits)) * factor
         if seconds < 0:
             raise ScenarioError(f"{name} must be 0 or more, not {shown(typed)}")
         return seconds

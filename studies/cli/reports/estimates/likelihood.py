@@ -16,8 +16,14 @@ def decisions(fit: Mapping[str, Any], settings: Mapping[str, Any]) -> Iterator[s
         yield f"activations as states, {taken}: {orders(fit['a'], 'a')}; log L {gain:+,.0f}"
     if settings["smooth"]:
         yield "smoothed: each estimate knows all samples"
+    elif fit["lag"]:
+        yield f"each estimate is {_time(fit['lag'])} late, and knows the samples until then"
     elif settings["lag"]:
-        yield f"each estimate is {settings['lag'] * 1e3:.4g} ms late, and knows the samples until then"
+        yield f"a lag of {_time(settings['lag'])} is less than half a sample, so estimates know no later one"
+
+
+def _time(seconds: float) -> str:
+    return f"{seconds:,.4g} s" if seconds >= 1 else f"{seconds * 1e3:.4g} ms"
 
 
 def orders(choice: Mapping[str, Any], second: str) -> str:
