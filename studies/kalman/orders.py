@@ -32,11 +32,12 @@ Fitting = Callable[[int, int], Fit]
 
 @dataclass(frozen=True)
 class Choice:
-    """The likeliest fit, its orders, and log L of all orders that were tried."""
+    """The likeliest fit, its orders, and log L of all orders that were tried; needed: by how much it must be larger."""
 
     orders: tuple[int, int]
     fit: Fit
     tried: Mapping[tuple[int, int], float] = field(default_factory=dict)
+    needed: Mapping[tuple[int, int], float] = field(default_factory=dict)
 
 
 def chosen_inputs(record: Record, tables: Sequence[Array], by_hand: Mapping[str, float]) -> Choice:
@@ -103,28 +104,34 @@ def manifest(choice: Choice) -> dict[str, Any]:
         "log_likelihood": choice.fit.log_likelihood,
         "passes": choice.fit.passes,
         "tried": {f"{D},{second}": value for (D, second), value in choice.tried.items()},
+        "needed": {f"{D},{second}": value for (D, second), value in choice.needed.items()},
     }
 
 
 def _likeliest(fitting: Fitting, of_D: Sequence[int], of_second: Sequence[int], rougher: float) -> Choice:
     """The usual orders, first in both lists, unless others gain enough; `rougher`: what orders below them must gain."""
+    usual = of_D[0], of_second[0]
     fits = {(of_D[0], second): fitting(of_D[0], second) for second in of_second}
-    best = _best(fits, rougher)
+    best = _best(fits, usual, rougher)
     fits |= {(order_D, best[1]): fitting(order_D, best[1]) for order_D in of_D[1:]}
-    best = _best({best: fits[best], **fits}, rougher)
-    return Choice(best, fits[best], {orders: fit.log_likelihood for orders, fit in fits.items()})
+    best = _best({best: fits[best], **fits}, best, rougher)
+    likelihoods = {orders: fit.log_likelihood for orders, fit in fits.items()}
+    return Choice(best, fits[best], likelihoods, {orders: _needed(orders, usual, rougher) for orders in fits})
 
 
-def _best(fits: Mapping[tuple[int, int], Fit], rougher: float) -> tuple[int, int]:
-    """The likeliest orders of those that gain enough over the first."""
-    first = next(iter(fits))
+def _best(fits: Mapping[tuple[int, int], Fit], usual: tuple[int, int], rougher: float) -> tuple[int, int]:
+    """The likeliest orders of those that gain enough over the usual ones."""
 
     def gain(orders: tuple[int, int]) -> float:
-        below = any(order < usual for order, usual in zip(orders, first, strict=True))
-        return fits[orders].log_likelihood - fits[first].log_likelihood - (rougher if below else _GAIN)
+        return fits[orders].log_likelihood - fits[usual].log_likelihood - _needed(orders, usual, rougher)
 
     best = max(fits, key=gain)
-    return best if gain(best) > 0 else first
+    return best if gain(best) > 0 else usual
+
+
+def _needed(orders: tuple[int, int], usual: tuple[int, int], rougher: float) -> float:
+    """What log L must gain over that of the usual orders; more if one of them is lower."""
+    return rougher if any(order < least for order, least in zip(orders, usual, strict=True)) else _GAIN
 
 
 def _tried(by_hand: Mapping[str, float], name: str) -> list[int]:

@@ -27,10 +27,11 @@ def _time(seconds: float) -> str:
 
 
 def orders(choice: Mapping[str, Any], second: str) -> str:
-    """The orders of Δ and of the `second` input, and how much less likely others are."""
+    """The orders of Δ and of the `second` input, how likely others are beside them, and why a likelier one is not taken."""
     D, other = choice["orders"]
     others = [
-        f"{tried} {value - choice['log_likelihood']:+,.0f}"
+        f"{tried} {(gain := value - choice['log_likelihood']):+,.0f}"
+        + (f", not the {choice['needed'][tried]:,.0f} it must gain" if gain > 0 else "")
         for tried, value in choice["tried"].items()
         if tried != f"{D},{other}"
     ]
