@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
@@ -23,6 +23,7 @@ from ..files.errors import RecordingError, ScenarioError
 from ..files.numbers import number, switch, whole
 from ..files.progress import Progress, shares, unseen
 from ..files.quote import shown, table
+from ..kalman.orders import SECOND_PASS
 from ..kalman.record import Record
 from ..kalman.run import AUTO, FORMS, compile_passes
 from ..laboratory.gaps import bridged, refuse_impossible, refuse_long_steps
@@ -93,7 +94,7 @@ def estimate(
     chosen = observers_named(observers)
     pair = muscles if isinstance(muscles, MusclePair) else read_muscles(muscles)
     bank, whole = _bank(pair, switch("corrected", corrected), chosen), _whole(pair, corrected, chosen)
-    paths = paths_of([*bank.observers, *whole])
+    paths = _paths(bank, whole)
     settings = _settings(corrected, changes or {}, keep_every, paths, chosen)
     settings = replace(settings, **_smoothing(chosen, form, smooth, lag))
     known = doubts(pair, {} if doubt is None else doubt, switch("usual_doubt", usual_doubt))
@@ -132,7 +133,7 @@ def recorded(
     """
     chosen = observers_named(KALMAN)
     bank, (block,) = _bank(pair, True, chosen), _whole(pair, True, chosen)
-    paths = paths_of([*bank.observers, block])
+    paths = _paths(bank, [block])
     case = _case(read, pair, compiled_bank(bank), paths, Settings(True, changes, 1), {})
     return case, record_of(case, _numbers(case, paths, block))
 
@@ -150,6 +151,13 @@ def _bank(pair: MusclePair, corrected: bool, chosen: Mapping[str, Observer]) -> 
 def _whole(pair: MusclePair, corrected: bool, chosen: Mapping[str, Observer]) -> tuple[Block, ...]:
     """Those that a recording is given to as a whole."""
     return fitted_blocks(pair.curves, corrected, compiled_with(chosen))
+
+
+def _paths(bank: Bank, whole: Iterable[Block]) -> Paths:
+    """All numbers of the observers, with those of a second pass, which no Block has."""
+    paths = paths_of([*bank.observers, *whole])
+    second = {f"{block.name}.{name}": parameter for block in whole for name, parameter in SECOND_PASS.items()}
+    return replace(paths, parameters={**second, **paths.parameters})
 
 
 def _smoothing(chosen: Mapping[str, Observer], form: str, smooth: bool, lag: float) -> dict[str, Any]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from ...model.arrays import Array
+from ...model.block import Parameters
 from ...observers.kalman.activations import ACTIVATIONS_MODEL, OF_LAW
 from ...observers.kalman.activations import DENSITIES as OF_ACTIVATIONS
 from ...observers.kalman.inputs import DENSITIES as OF_INPUTS
@@ -23,6 +24,10 @@ _USUAL, _OTHERS = 2, (1, 3)
 # the least of the second pass's densities, in what they are at first: where they mean nothing
 _LEAST = 1e-4
 
+# what the second pass alone has
+SECOND_PASS: Parameters = {
+    name: parameter for name, parameter in ACTIVATIONS_MODEL.parameters.items() if name not in INPUTS_MODEL.parameters
+}
 # how the names of noise, densities and orders begin
 _FOUND = ("s_", "sigma", "order")
 
@@ -64,7 +69,8 @@ def before_a_fit(
     least = least_densities(sizes, T, order_D, order_u)
     start = {name: max(value, least[name]) for name, value in densities(sizes, T, order_D, order_u).items()}
     orders = {"order_D": float(order_D), "order_u": float(order_u)}
-    return {**record.numbers, **noise(record.sizes, T), **start, **orders, **by_hand}
+    mine = _known(by_hand, INPUTS_MODEL.parameters)
+    return {**record.numbers, **noise(record.sizes, T), **start, **orders, **mine}
 
 
 def chosen_activations(record: Record, tables: Sequence[Array], first: Choice, by_hand: Mapping[str, float]) -> Choice:

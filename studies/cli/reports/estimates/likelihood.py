@@ -27,7 +27,7 @@ def _time(seconds: float) -> str:
 
 
 def orders(choice: Mapping[str, Any], second: str) -> str:
-    """The orders of Δ and of the `second` input, how likely others are beside them, and why a likelier one is not taken."""
+    """The orders of Δ and of the `second` input, how likely others are, and why a likelier one is not taken."""
     D, other = choice["orders"]
     others = [
         f"{tried} {(gain := value - choice['log_likelihood']):+,.0f}"
