@@ -16,12 +16,13 @@ from ...observers.kalman.parameters import INPUTS as OF_INPUTS
 from ...observers.kalman.parameters import NOISE
 from ..files.errors import ScenarioError
 from ..files.progress import Progress, shares, unseen
+from ..files.quote import shown
 from ..kalman.orders import chosen_inputs, manifest
 from ..kalman.record import Record, segments, settled
 from ..kalman.run import INPUTS
 from ..laboratory.muscles import MusclePair
 from ..laboratory.recording import Recording
-from ..scenarios.layers import Value, layers, shipped
+from ..scenarios.layers import SUFFIX, Value, layers, shipped
 from ..scenarios.paths import paths_of
 from ..scenarios.prepare import prepare
 from ..simulate.run import simulate_prepared
@@ -73,8 +74,11 @@ def fitted(
     """The same, and how it was found."""
     if muscles is not None:
         return _of_recording(source, muscles, mapping, changes, progress)
-    if isinstance(source, Recording):
-        raise ScenarioError("a recording needs its muscles to be followed")
+    if isinstance(source, Recording) or Path(source).suffix not in ("", SUFFIX):
+        name = "" if isinstance(source, Recording) else f"{shown(str(source))}: "
+        raise ScenarioError(f"{name}a recording needs its muscles (--muscles) to be followed")
+    if mapping:
+        raise ScenarioError("a mapping (--map) names columns of a recording, and a scenario has none")
     return _of_scenario(source, changes, progress)
 
 

@@ -15,7 +15,7 @@ from ...files.numbers import NUMBER, number, typed_whole
 from ...files.quote import shown
 from ...scenarios.layers import Value, shipped
 from ...scenarios.loops import all_paths
-from ...scenarios.scenario import VALID_CHOICES, parse_change
+from ...scenarios.scenario import VALID_CHOICES, typed_changes
 from ...sweep.axes import Values, parse_axis
 
 Decorator = Callable[[Any], Any]
@@ -69,12 +69,12 @@ def mapping_option() -> Decorator:
 
 
 def set_option(sentence: str) -> Decorator:
-    """`--set PATH=VALUE`, which may be repeated: a dict; of a path given twice the last counts."""
+    """`--set PATH=VALUE` or a file of such, which may be repeated: a dict; of a path given twice the last counts."""
     return click.option(
         "--set",
         "changes",
         multiple=True,
-        metavar="PATH=VALUE",
+        metavar="PATH=VALUE|FILE.toml",
         callback=_changes,
         shell_complete=_complete_paths,
         help=sentence,
@@ -134,7 +134,7 @@ def seconds_option(name: str, sentence: str) -> Decorator:
 
 
 def _changes(ctx: click.Context, param: click.Parameter, typed: tuple[str, ...]) -> dict[str, Value]:
-    return dict(parse_change(text) for text in typed)
+    return {path: value for text in typed for path, value in typed_changes(text).items()}
 
 
 def _doubts(ctx: click.Context, param: click.Parameter, typed: tuple[str, ...]) -> dict[str, float | str]:
