@@ -44,6 +44,7 @@ from .shell.own_observers import loaded
 from .shell.stopping import Stopped
 from .shell.terminal import NUMERICAL, bar, complain, print_table, say
 
+_KALMAN_TOO = "--observer kalman also says what noise leaves open, smooths, and judges recording and muscles"
 # what the figures begin with
 _STEM = "estimates"
 
@@ -132,13 +133,17 @@ def estimate(
         )
     reading, building, following = (after - before for before, after in itertools.pairwise(times))
     known, found = scores(dataset), None
-    with bar("writing"):
+    with bar("writing") as progress:
         # first of all: what is said of estimates may take longer than they did
-        paths = save_estimates(dataset, known, folder)
+        paths = save_estimates(dataset, known, folder, progress)
         drawn = {} if no_figures and not report else {SHEET: estimate_sheet(dataset)}
         if not no_figures:
             paths += write_figures(drawn, folder, _STEM)
     say(*notes(dataset), timing(dataset, reading, building, following), err=as_json)
+    if chosen is None:
+        say(
+            "--observer kalman also says what noise leaves open, smooths, and judges recording and muscles", err=as_json
+        )
     if KALMAN in dataset.observer and not no_verdict:
         with _noting_what_is_kept(folder), bar("weighing") as progress:
             found = judged(read, pair, dataset, progress)

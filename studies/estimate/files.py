@@ -9,6 +9,7 @@ from pathlib import Path
 import xarray as xr
 
 from ..files.datasets.netcdf import save_netcdf
+from ..files.progress import Progress, shares, unseen
 from ..files.tables import Series, write_csv, write_sto
 from ..files.writing import refuse_overwriting, refuse_read, remove_ours, write_whole
 from ..laboratory.columns import OPENSIM
@@ -32,7 +33,7 @@ def report_path(folder: Path) -> Path:
     return folder / _REPORT
 
 
-def save_estimates(dataset: xr.Dataset, scores: list[Score], folder: Path) -> list[Path]:
+def save_estimates(dataset: xr.Dataset, scores: list[Score], folder: Path, progress: Progress = unseen) -> list[Path]:
     """Write `estimates.nc`, `.csv`, an `.sto` per observer, and `scores.csv` if there are any; the paths written.
 
     The .sto files have the measured forces too, so each is a recording that can be read. What an earlier run has left
@@ -42,7 +43,9 @@ def save_estimates(dataset: xr.Dataset, scores: list[Score], folder: Path) -> li
     observers = dataset.observer.values.tolist()
     paths = estimate_paths(folder, observers, bool(scores))
     netcdf, table, *of_observers = paths
+    parts = shares(progress, [1] * (2 + len(observers)))
     save_netcdf(dataset, netcdf)
+    next(parts)(1.0)
     time = Series("time", "s", dataset.time.values)
     position = Series("position", "m", dataset.position.values)
     forces = [Series(f"force_{j}", "N", dataset.force.sel(muscle=j).values) for j in (1, 2)]
@@ -53,6 +56,7 @@ def save_estimates(dataset: xr.Dataset, scores: list[Score], folder: Path) -> li
         for column, suffix, values in _columns(dataset, name)
     ]
     write_csv(table, [time, position, *forces, *estimates])
+    next(parts)(1.0)
     for name, path in zip(observers, of_observers, strict=False):
         columns = [Series(OPENSIM[force.name], force.unit, force.values) for force in forces]
         columns += [
@@ -60,6 +64,7 @@ def save_estimates(dataset: xr.Dataset, scores: list[Score], folder: Path) -> li
             for column, suffix, values in _columns(dataset, name)
         ]
         write_sto(path, _TITLE.format(observer=name, source=dataset.attrs["source"]), [time, *columns])
+        next(parts)(1.0)
     if scores:
         write_whole(of_observers[-1], scores_csv(scores).encode())
     for path in _leftovers(folder, paths):

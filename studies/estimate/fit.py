@@ -121,8 +121,7 @@ def _of_scenario(source: str | Path, changes: Mapping[str, Value], progress: Pro
     record = Record(tau, y, z, slopes, np.ones(len(y), dtype=bool), numbers, sizes, T, curves)
     by_hand = {name: given[path] for path in changes for name in [path.removeprefix(f"{KALMAN}.")] if name != path}
     table = record.table()
-    choice = chosen_inputs(record, [settled(table[part]) for part in segments(len(record))], by_hand)
-    next(parts)(1.0)
+    choice = chosen_inputs(record, [settled(table[part]) for part in segments(len(record))], by_hand, next(parts))
     found = {f"{KALMAN}.{name}": choice.fit.numbers[name] for name in _FOUND}
     return Fitted(usual.label, _written(source, changes), found, manifest(choice), len(y))
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -13,6 +14,7 @@ from ...observers.kalman.activations import DENSITIES as OF_ACTIVATIONS
 from ...observers.kalman.inputs import DENSITIES as OF_INPUTS
 from ...observers.kalman.inputs import INPUTS_MODEL
 from ...observers.kalman.parameters import densities, least_densities, noise, resolved
+from ..files.progress import Progress, shares, unseen
 from .fit import Fit, fitted
 from .passes import compiled
 from .record import Record
@@ -45,7 +47,9 @@ class Choice:
     needed: Mapping[tuple[int, int], float] = field(default_factory=dict)
 
 
-def chosen_inputs(record: Record, tables: Sequence[Array], by_hand: Mapping[str, float]) -> Choice:
+def chosen_inputs(
+    record: Record, tables: Sequence[Array], by_hand: Mapping[str, float], progress: Progress = unseen
+) -> Choice:
     """The model of the first pass for a recording, of which densities are fitted to the `tables`.
 
     by_hand: name → value of what is to stay as it is.
@@ -58,7 +62,7 @@ def chosen_inputs(record: Record, tables: Sequence[Array], by_hand: Mapping[str,
         return fitted(passes, tables, numbers, _free(OF_INPUTS, least, by_hand))
 
     rougher = max(_GAIN, _ROUGHER * sum(float(rows[:, -1].sum()) for rows in tables))
-    return _likeliest(fitting, _tried(by_hand, "order_D"), _tried(by_hand, "order_u"), rougher)
+    return _likeliest(fitting, _tried(by_hand, "order_D"), _tried(by_hand, "order_u"), rougher, progress)
 
 
 def before_a_fit(
@@ -73,7 +77,9 @@ def before_a_fit(
     return {**record.numbers, **noise(record.sizes, T), **start, **orders, **mine}
 
 
-def chosen_activations(record: Record, tables: Sequence[Array], first: Choice, by_hand: Mapping[str, float]) -> Choice:
+def chosen_activations(
+    record: Record, tables: Sequence[Array], first: Choice, by_hand: Mapping[str, float], progress: Progress = unseen
+) -> Choice:
     """The model of the second pass; the tables are linear about the first."""
     passes, parameters = compiled(ACTIVATIONS_MODEL), ACTIVATIONS_MODEL.parameters
     # Δ_Φ is the same in both passes, and so is its order
@@ -88,11 +94,14 @@ def chosen_activations(record: Record, tables: Sequence[Array], first: Choice, b
         numbers = {**defaults, **_known(first.fit.numbers, parameters), **own, **_known(by_hand, parameters)}
         return fitted(passes, tables, numbers, free)
 
-    choice = _likeliest(fitting, [order_D], _tried(by_hand, "order_a"), _GAIN)
+    orders = _tried(by_hand, "order_a")
+    ordering, last = shares(progress, [len(orders), 1])
+    choice = _likeliest(fitting, [order_D], orders, _GAIN, ordering)
     # towards 0 the fixed point creeps, and log L hardly tells: it is asked for what the law leaves, or nothing
     others = {name: smallest for name, smallest in free.items() if name not in OF_LAW}
     exact = {**choice.fit.numbers, **{name: free[name] for name in OF_LAW if name in free}}
     without = fitted(passes, tables, exact, others)
+    last(1.0)
     better = max((without, choice.fit), key=lambda fit: fit.log_likelihood)
     return replace(choice, fit=replace(better, passes=choice.fit.passes + without.passes))
 
@@ -114,14 +123,23 @@ def manifest(choice: Choice) -> dict[str, Any]:
     }
 
 
-def _likeliest(fitting: Fitting, of_D: Sequence[int], of_second: Sequence[int], rougher: float) -> Choice:
+def _likeliest(
+    fitting: Fitting, of_D: Sequence[int], of_second: Sequence[int], rougher: float, progress: Progress
+) -> Choice:
     """The usual orders, first in both lists, unless others gain enough; `rougher`: what orders below them must gain."""
+    done, parts = itertools.count(1), len(of_second) + len(of_D) - 1
+
+    def fit(order_D: int, second: int) -> Fit:
+        found = fitting(order_D, second)
+        progress(next(done) / parts)
+        return found
+
     usual = of_D[0], of_second[0]
-    fits = {(of_D[0], second): fitting(of_D[0], second) for second in of_second}
+    fits = {(of_D[0], second): fit(of_D[0], second) for second in of_second}
     best = _best(fits, usual, rougher)
-    fits |= {(order_D, best[1]): fitting(order_D, best[1]) for order_D in of_D[1:]}
+    fits |= {(order_D, best[1]): fit(order_D, best[1]) for order_D in of_D[1:]}
     best = _best({best: fits[best], **fits}, best, rougher)
-    likelihoods = {orders: fit.log_likelihood for orders, fit in fits.items()}
+    likelihoods = {orders: found.log_likelihood for orders, found in fits.items()}
     return Choice(best, fits[best], likelihoods, {orders: _needed(orders, usual, rougher) for orders in fits})
 
 

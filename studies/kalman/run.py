@@ -14,7 +14,7 @@ from ...observers.kalman.activations import ACTIVATIONS_MODEL
 from ...observers.kalman.inputs import INPUTS_MODEL
 from ...observers.kalman.parameters import resolved, slowest
 from ...observers.ports import ESTIMATES
-from ..files.progress import Progress, shares
+from ..files.progress import Progress, shares, unseen
 from .muscles import ACTIVATION, LAW, SPREAD, compiled_muscles
 from .orders import Choice, chosen_activations, chosen_inputs
 from .passes import CompiledPasses, Filtered, compiled, row_names, table
@@ -64,10 +64,10 @@ def passed(record: Record, how: How, by_hand: Mapping[str, float], keep_every: i
     """
     parts, whole = shares(progress, [_FIT, _FIT, 2 * _PASS]), record.table()
     fitted_to = [settled(whole[part]) for part in segments(len(record))]
-    inputs = chosen_inputs(record, fitted_to, by_hand)
-    next(parts)(1.0)
-    activations = None if how.form == INPUTS else _second(record, fitted_to, inputs, how, by_hand)
-    next(parts)(1.0)
+    inputs = chosen_inputs(record, fitted_to, by_hand, next(parts))
+    second = next(parts)
+    activations = None if how.form == INPUTS else _second(record, fitted_to, inputs, how, by_hand, second)
+    second(1.0)
     form, outputs = estimated(record, how, inputs, activations, keep_every, next(parts))
     return Passed(form, inputs, activations, outputs)
 
@@ -99,8 +99,16 @@ def estimated(
     return ACTIVATIONS, _collected(told, _of_activations, keep_every, len(record), after)
 
 
-def _second(record: Record, tables: Sequence[Array], inputs: Choice, how: How, by_hand: Mapping[str, float]) -> Choice:
-    return chosen_activations(record, [_linear(record, rows, inputs, how) for rows in tables], inputs, by_hand)
+def _second(
+    record: Record,
+    tables: Sequence[Array],
+    inputs: Choice,
+    how: How,
+    by_hand: Mapping[str, float],
+    progress: Progress = unseen,
+) -> Choice:
+    linear = [_linear(record, rows, inputs, how) for rows in tables]
+    return chosen_activations(record, linear, inputs, by_hand, progress)
 
 
 def estimates_of_inputs(record: Record, inputs: Choice) -> Array:

@@ -127,6 +127,8 @@ class MusclePair:
 
 def read_muscles(path: str | Path) -> MusclePair:
     """The muscles of a TOML file. ScenarioError names the file and the key that is wrong, missing or unknown."""
+    if not isinstance(path, str | Path):
+        raise ScenarioError(f"muscles are a file's name or a pair that was read, not {shown(path)}")
     try:
         content = read_toml(Path(path))
     except TomlError as error:
@@ -245,6 +247,8 @@ def _numbers(
     for key, (content, path) in given.items():
         value = content
         if isinstance(content, dict):
+            if list(content) == [_VALUE]:
+                raise ScenarioError(f"{path} has a value without an sd; a number without one stands alone")
             if sorted(content) != [_SD, _VALUE]:
                 raise ScenarioError(f"{path} must be a number, or {{ value = …, sd = … }}, not {shown(content)}")
             value = content[_VALUE]

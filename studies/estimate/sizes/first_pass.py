@@ -43,7 +43,7 @@ _SPREAD = 0.02
 # of a long recording: number of blocks that are looked at, and samples of each
 _BLOCKS, _BLOCK = 10, 10_000
 # statistics of fewer samples are none
-_FEW = 50
+FEW = 50
 
 # of a recording too short for statistics
 _SHORT = Sizes(1e-3, 1e-3, 1e-3, 1e-3, 1e-3, eps_1=0.2, eps_L=0.05, eps_L3=0.1, D=0.1, D_max=0.2, U=0.1, U_max=0.3)
@@ -59,7 +59,7 @@ def first_pass(y: Array, z: Array, m: float, T: float) -> Sizes:
     # acc = R F/m
     signals, T = np.vstack([y, z, pull(y[1:]) / m]), float(T)
     n = signals.shape[1]
-    if n < _FEW:
+    if n < FEW:
         least = {name: max(getattr(_SHORT, name), _FASTEST * T) for name in ("eps_1", "eps_L", "eps_L3")}
         return Sizes(**{**asdict(_SHORT), **least})
     if n <= _BLOCKS * _BLOCK:

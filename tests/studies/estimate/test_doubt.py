@@ -114,7 +114,8 @@ def test_what_is_no_doubt_is_one_sentence(
         ("{ value = 0.1, sd = true }", "muscle.optimal_fibre_length must be a number, not true"),
         ("{ value = 0.1, sd = [1] }", "muscle.optimal_fibre_length must be a number, not [1]"),
         ("{ value = 'a', sd = 1 }", "muscle.optimal_fibre_length must be a number, not 'a'"),
-        ("{ value = 0.1 }", "muscle.optimal_fibre_length must be a number, or { value = …, sd = … }, not a table"),
+        ("{ value = 0.1 }", "muscle.optimal_fibre_length has a value without an sd; a number without one stands alone"),
+        ("{ sd = 0.1 }", "muscle.optimal_fibre_length must be a number, or { value = …, sd = … }, not a table"),
         ("{ value = 0.1, sd = 0.1, s = 1 }", "muscle.optimal_fibre_length must be a number, or { value = …, sd = … }"),
     ],
 )

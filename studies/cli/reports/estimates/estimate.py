@@ -16,6 +16,7 @@ from .....model.skeleton import pull
 from .....observers import label
 from ....estimate.bands.doubt import stated
 from ....estimate.scores import BOTH, SETTLED, WITHIN_95, Score
+from ....estimate.sizes.first_pass import FEW
 from ..conditions import violated_conditions
 from ..number import counted, number
 from .likelihood import decisions
@@ -50,6 +51,8 @@ def notes(dataset: xr.Dataset) -> Iterator[str]:
         f"one every {period * 1e3:.4g} ms"
         + (f", but some after {longest * 1e3:.4g} ms" if longest > _UNEVEN * period else "")
     )
+    if int(attributes["samples"]) < FEW:
+        yield f"fewer than {FEW} samples tell neither noise nor speed: gains are those of a usual recording"
     if (keep_every := json.loads(attributes["settings"])["keep_every"]) > 1:
         yield f"estimates are kept of every {keep_every}th sample"
     yield from json.loads(attributes["notes"])
