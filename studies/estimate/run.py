@@ -222,7 +222,7 @@ def _case(
         )
     refuse_long_steps(read)
     z, slopes = measured_tendons(compiled, np.array(paths.values(lengths_block(compiled.bank), s.numbers)), y)
-    sizes = first_pass(y.T, z.T, s.numbers["plant.m"], period)
+    sizes = first_pass(y.T, z.T, s.numbers["plant.m"], period, tau)
     return Case(read, pair, s, tau, y, z, slopes, gaps, sizes, settings, doubt)
 
 

@@ -8,11 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...model.arrays import Array
+from ..estimate.sizes.noise import even_steps
 from .finding import Finding, plain
 from .hanging import NO_NOISE
 
 # innovations over their standard deviations: mean square, and correlation from sample to sample
 _SIZE, _COLOUR = (0.7, 1.4), 0.25
+# with this part of the steps as long as usual, noise is measured well
+_EVEN = 0.9
 # where they are correlated by more, slow waves make all blocks differ
 _WAVES = 0.5
 # samples of a block, of which so many must count; the median of its innovations over the usual one may lie between
@@ -37,7 +40,12 @@ def of_innovations(time: Array, ratios: Array, noise: float) -> Iterator[Finding
     size = np.mean(ratios[counted] ** 2, axis=0)
     colour = np.array([_correlation(ratio, counted) for ratio in ratios.T])
     wrong = bool((size < _SIZE[0]).any() or (size > _SIZE[1]).any() or (np.abs(colour) > _COLOUR).any())
-    advice = ": noise that is not white, a number by hand, or a sensor that changes" if wrong else ""
+    advice = ""
+    if wrong:
+        uneven = even_steps(time, float(np.median(np.diff(time)))).mean() < _EVEN
+        advice = (
+            f": noise that is not white, a number by hand, {'uneven steps, ' * bool(uneven)}or a sensor that changes"
+        )
     sentence = (
         f"innovations of {', '.join(_OF)} over their standard deviations: mean square "
         f"{', '.join(f'{s:.2f}' for s in size)} (1 is right), correlation from sample to sample "

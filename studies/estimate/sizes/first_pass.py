@@ -21,8 +21,8 @@ from ....model.skeleton import pull
 from ....observers.high_gain import HIGH_GAIN
 from ....observers.observer import Sizes
 from ..substeps import substeps
-from .noise import Noise, despiked, noise
-from .timescales import smoothed, time_scale, twice_integrated
+from .noise import Noise, despiked, even_steps, noise
+from .timescales import filled, smoothed, time_scale, twice_integrated
 
 # ε over the time scale: the width of an observer's window where it averages as much noise as it loses signal
 _C1, _CL, _CL3 = 0.35, 0.27, 0.35
@@ -49,12 +49,12 @@ FEW = 50
 _SHORT = Sizes(1e-3, 1e-3, 1e-3, 1e-3, 1e-3, eps_1=0.2, eps_L=0.05, eps_L3=0.1, D=0.1, D_max=0.2, U=0.1, U_max=0.3)
 
 
-def first_pass(y: Array, z: Array, m: float, T: float) -> Sizes:
+def first_pass(y: Array, z: Array, m: float, T: float, tau: Array | None = None) -> Sizes:
     """The sizes of a recording of finite samples.
 
-    y: what is measured (3 × n); z: tendon lengths Φ_S⁻¹(y₂), Φ_S⁻¹(y₃) (2 × n); m: mass; T: sampling period. If samples
-    are not equidistant, T is the median of their distances, and they are taken for equidistant: gains need no more.
-    Of more than 100,000 samples ten blocks are looked at.
+    y: what is measured (3 × n); z: tendon lengths Φ_S⁻¹(y₂), Φ_S⁻¹(y₃) (2 × n); m: mass; T: sampling period; tau: times
+    (n), if samples are not equidistant. Then T is the median of their distances, noise is that of even steps, and where
+    samples are missing straight lines count. Of more than 100,000 samples ten blocks are looked at.
     """
     # acc = R F/m
     signals, T = np.vstack([y, z, pull(y[1:]) / m]), float(T)
@@ -63,13 +63,16 @@ def first_pass(y: Array, z: Array, m: float, T: float) -> Sizes:
         least = {name: max(getattr(_SHORT, name), _FASTEST * T) for name in ("eps_1", "eps_L", "eps_L3")}
         return Sizes(**{**asdict(_SHORT), **least})
     if n <= _BLOCKS * _BLOCK:
-        return _sizes(signals, T)
-    starts = np.linspace(0, n - _BLOCK, _BLOCKS).astype(int)
-    return _merged([_sizes(signals[:, start : start + _BLOCK], T) for start in starts])
+        return _sizes(signals, T, tau)
+    blocks = [slice(start, start + _BLOCK) for start in np.linspace(0, n - _BLOCK, _BLOCKS).astype(int)]
+    return _merged([_sizes(signals[:, block], T, None if tau is None else tau[block]) for block in blocks])
 
 
-def _sizes(signals: Array, T: float) -> Sizes:
-    noises = [noise(signal, T) for signal in signals[:-1]]
+def _sizes(signals: Array, T: float, tau: Array | None) -> Sizes:
+    even = None if tau is None else even_steps(tau, T)
+    noises = [noise(signal, T, even) for signal in signals[:-1]]
+    if tau is not None:
+        signals = filled(signals, tau, T)
     sigma_1, sigma_F1, sigma_F2, sigma_L1, sigma_L2 = (nu.sigma for nu in noises)
     # forces count as lengths and as acceleration
     seen, spreads = signals[[0, 3, 4, 5]], [sigma_1, sigma_L1, sigma_L2, _SPREAD * float(np.ptp(signals[-1]))]

@@ -121,6 +121,10 @@ def test_innovations_that_are_not_white_are_told_once() -> None:
     (finding,) = of_innovations(time, np.hstack([slow, ratios[:, 1:]]), 1e-3)
     assert finding.doubtful
     assert "(0 is right): noise that is not white" in finding.sentence
+    assert "uneven steps" not in finding.sentence
+    uneven = time + 2e-4 * np.sin(1e4 * time)
+    (finding,) = of_innovations(uneven, np.hstack([slow, ratios[:, 1:]]), 1e-3)
+    assert "uneven steps" in finding.sentence
     (finding,) = of_innovations(time, ratios, 1e-9)
     assert not finding.doubtful
     (finding,) = of_innovations(time, np.full_like(ratios, np.nan), 1e-3)
