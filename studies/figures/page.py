@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import itertools
+import warnings
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -56,7 +57,9 @@ def write_figures(drawn: Mapping[str, Figure], folder: str | Path, stem: str) ->
 def content(figure: Figure, kind: str) -> bytes:
     """A figure as the bytes of a file, "png" or "pdf", without a date."""
     file = io.BytesIO()
-    with settings():
+    with settings(), warnings.catch_warnings():
+        # words longer than the page, as only a forged result has: drawn over each other
+        warnings.filterwarnings("ignore", "constrained_layout not applied", UserWarning)
         figure.savefig(file, format=kind, metadata=_UNDATED[kind])
     figure.set_layout_engine("none")  # found once, it also holds for the next file
     return file.getvalue()

@@ -16,7 +16,7 @@ from places import RECORDINGS
 pytestmark = pytest.mark.chaos
 
 # of some thousands; one that is drawn takes seconds
-FORGED = int(os.environ.get("FORGED", "100"))
+FORGED = int(os.environ.get("FORGED", "60"))
 SHORT = {"duration": 0.2, "score.start": 0.1}
 
 

@@ -6,6 +6,9 @@ import sys
 from pathlib import Path
 
 import pytest
+from matplotlib.figure import Figure
+
+from hillobs.studies.figures.page import content, settings
 
 DRAW = """
 import io, os
@@ -63,3 +66,11 @@ def test_settings_in_the_current_folder_that_cannot_be_read_are_a_sentence(size:
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr.startswith("hillobs: matplotlib cannot be loaded: ")
     assert done.stderr.endswith("; is ./matplotlibrc broken?\n")
+
+
+def test_words_longer_than_the_page_are_drawn_without_a_word_of_the_library() -> None:
+    """Warnings are errors in these tests."""
+    with settings():
+        figure = Figure(figsize=(2, 1), layout="constrained")
+        figure.add_subplot().set_yticks([0], ["long" * 100])
+    assert content(figure, "png").startswith(b"\x89PNG")
