@@ -41,7 +41,7 @@ class Result:
     """One observer's outputs and guards by name, each (n), dimensionless, and how it was run.
 
     violated: its gain conditions that do not hold. From a failure on the numbers are NaN. fit: what the likelihood of
-    the recording decided, if it was asked.
+    the recording decided, if it was asked, and how late estimates are, `lag` in s.
     """
 
     y: Mapping[str, Array]

@@ -10,6 +10,7 @@ from pathlib import Path
 import xarray as xr
 
 from ..files.datasets.netcdf import save_netcdf
+from ..files.progress import Progress, shares, unseen
 from ..files.tables import Series, write_csv, write_sto
 from ..files.writing import refuse_overwriting, refuse_read, remove_ours, write_whole
 from ..laboratory.subject import subject_again
@@ -33,7 +34,7 @@ def report_path(folder: Path) -> Path:
     return folder / _REPORT
 
 
-def save_estimates(dataset: xr.Dataset, scores: list[Score], folder: Path) -> list[Path]:
+def save_estimates(dataset: xr.Dataset, scores: list[Score], folder: Path, progress: Progress = unseen) -> list[Path]:
     """Write `estimates.nc`, `.csv`, an `.sto` per observer, and `scores.csv` if there are any; the paths written.
 
     The .sto files have the measured forces too, so each is a recording that can be read. What an earlier run has left
@@ -43,7 +44,9 @@ def save_estimates(dataset: xr.Dataset, scores: list[Score], folder: Path) -> li
     observers = dataset.observer.values.tolist()
     paths = estimate_paths(folder, observers, bool(scores))
     netcdf, table, *of_observers = paths
+    parts = shares(progress, [1] * (2 + len(observers)))
     save_netcdf(dataset, netcdf)
+    next(parts)(1.0)
     time = Series("time", "s", dataset.time.values)
     subject = subject_again(json.loads(str(dataset.muscle_file.values)))
     names, opensim = subject.names, subject.columns.opensim
@@ -55,6 +58,7 @@ def save_estimates(dataset: xr.Dataset, scores: list[Score], folder: Path) -> li
         for column, suffix, values in _columns(dataset, name, names)
     ]
     write_csv(table, [time, *(Series(c, v.attrs["units"], v.values) for c, v in (*positions, *forces)), *estimates])
+    next(parts)(1.0)
     for name, path in zip(observers, of_observers, strict=False):
         columns = [Series(opensim[column], values.attrs["units"], values.values) for column, values in forces]
         columns += [
@@ -62,11 +66,18 @@ def save_estimates(dataset: xr.Dataset, scores: list[Score], folder: Path) -> li
             for column, suffix, values in _columns(dataset, name, names)
         ]
         write_sto(path, _TITLE.format(observer=name, source=dataset.attrs["source"]), [time, *columns])
+        next(parts)(1.0)
     if scores:
         write_whole(of_observers[-1], scores_csv(scores).encode())
     for path in _leftovers(folder, paths):
         remove_ours(path)
     return paths
+
+
+def save_again(dataset: xr.Dataset, folder: Path) -> None:
+    """Write `estimates.nc` anew: what was found out about the estimates since is in the attributes of the Dataset."""
+    netcdf, *_ = estimate_paths(folder, [], scored=False)
+    save_netcdf(dataset, netcdf)
 
 
 def refuse_replacing(folder: Path, paths: Sequence[Path]) -> None:

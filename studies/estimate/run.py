@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,7 @@ from ..files.errors import RecordingError, ScenarioError
 from ..files.numbers import number, switch, whole
 from ..files.progress import Progress, shares, unseen
 from ..files.quote import shown, table
+from ..kalman.orders import SECOND_PASS
 from ..kalman.record import Record
 from ..kalman.run import AUTO, FORMS, compile_passes
 from ..laboratory.gaps import bridged, refuse_impossible, refuse_long_steps
@@ -94,7 +96,7 @@ def estimate(
     chosen = observers_named(observers)
     subject = subject_of(muscles)
     bank, whole = _bank(subject, switch("corrected", corrected), chosen), _whole(subject, corrected, chosen)
-    paths = paths_of([*bank.observers, *whole])
+    paths = _paths(bank, whole)
     settings = _settings(corrected, changes or {}, keep_every, paths, chosen)
     settings = replace(settings, **_smoothing(chosen, form, smooth, lag))
     known = _doubts(subject, {} if doubt is None else doubt, switch("usual_doubt", usual_doubt))
@@ -133,13 +135,18 @@ def _doubts(subject: Subject, given: Mapping[str, float | str], usual: bool) -> 
     return {}
 
 
-def recorded(read: Recording, pair: MusclePair) -> tuple[Case, Record]:
-    """A recording with its muscles, and as the Kalman filter takes it. RecordingError for what no muscle can do."""
+def recorded(
+    read: Recording, pair: MusclePair, changes: Mapping[str, float] = MappingProxyType({})
+) -> tuple[Case, Record]:
+    """A recording with its muscles, and as the Kalman filter takes it. RecordingError for what no muscle can do.
+
+    changes: path → value of its numbers by hand.
+    """
     chosen = observers_named(KALMAN)
     subject = pair_subject(pair)
     bank, (block,) = _bank(subject, True, chosen), _whole(subject, True, chosen)
-    paths = paths_of([*bank.observers, block])
-    case = _case(read, subject, compiled_bank(bank), paths, Settings(True, {}, 1), {})
+    paths = _paths(bank, [block])
+    case = _case(read, subject, compiled_bank(bank), paths, Settings(True, changes, 1), {})
     return case, record_of(case, _numbers(case, paths, block))
 
 
@@ -164,6 +171,13 @@ def _compiled(subject: Subject, chosen: Mapping[str, Observer]) -> tuple[Observe
     if subject.pair:
         return every
     return tuple(observer for observer in every if observer.chains or observer in chosen.values())
+
+
+def _paths(bank: Bank, whole: Iterable[Block]) -> Paths:
+    """All numbers of the observers, with those of a second pass, which no Block has."""
+    paths = paths_of([*bank.observers, *whole])
+    second = {f"{block.name}.{name}": parameter for block in whole for name, parameter in SECOND_PASS.items()}
+    return replace(paths, parameters={**second, **paths.parameters})
 
 
 def _smoothing(chosen: Mapping[str, Observer], form: str, smooth: bool, lag: float) -> dict[str, Any]:
@@ -229,7 +243,7 @@ def _case(
         )
     refuse_long_steps(read)
     z, slopes = measured_tendons(compiled, np.array(paths.values(lengths_block(compiled.bank), s.numbers)), y)
-    sizes = first_pass(subject.laws, y, z, period)
+    sizes = first_pass(subject.laws, y, z, period, tau)
     return Case(read, subject, tau, y, z, slopes, gaps, sizes, settings, doubt)
 
 

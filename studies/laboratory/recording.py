@@ -105,6 +105,8 @@ def read_recording(
     RecordingError names the file and row and column, or says which column is missing and what is there; also if there
     are more numbers than memory should hold.
     """
+    if not isinstance(path, str | Path):
+        raise RecordingError(f"a recording is a file's name or one that was read, not {shown(path)}")
     try:
         return _read(Path(path), mapping or {}, progress or unseen, known)
     except RecordingError as error:

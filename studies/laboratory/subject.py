@@ -16,6 +16,7 @@ from ...model.mechanism import mechanism_system
 from ...model.skeleton.tree import PIN
 from ...model.system import System, pair_system
 from ..files.errors import ScenarioError, TomlError
+from ..files.quote import shown
 from ..files.toml import read_toml
 from .columns import COLUMNS, Columns
 from .laws import Laws
@@ -121,7 +122,9 @@ def subject_of(muscles: str | Path | MusclePair | Mechanism | Subject) -> Subjec
     """
     if isinstance(muscles, Subject):
         return muscles
-    if not isinstance(muscles, MusclePair | Mechanism):
+    if not isinstance(muscles, str | Path | MusclePair | Mechanism):
+        raise ScenarioError(f"muscles are a file's name or a pair that was read, not {shown(muscles)}")
+    if isinstance(muscles, str | Path):
         muscles = read_mechanism(muscles) if _has_joints(Path(muscles)) else read_muscles(muscles)
     if isinstance(muscles, MusclePair):
         return pair_subject(muscles)

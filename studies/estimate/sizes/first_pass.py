@@ -24,8 +24,8 @@ from ....observers.high_gain import HIGH_GAIN, chains
 from ....observers.observer import JointSizes, MuscleSizes, SystemSizes
 from ...laboratory.laws import Laws
 from ..substeps import substeps
-from .noise import Noise, despiked, noise
-from .timescales import smoothed, time_scale, twice_integrated
+from .noise import Noise, despiked, even_steps, noise
+from .timescales import filled, smoothed, time_scale, twice_integrated
 
 # ε over the time scale: the width of an observer's window where it averages as much noise as it loses signal
 _C1, _CL, _CL3 = 0.35, 0.27, 0.35
@@ -46,27 +46,27 @@ _SPREAD = 0.02
 # of a long recording: number of blocks that are looked at, and samples of each
 _BLOCKS, _BLOCK = 10, 10_000
 # statistics of fewer samples are none
-_FEW = 50
+FEW = 50
 
 # of a recording too short for statistics
 _SHORT_JOINT = JointSizes(sigma=1e-3, eps=0.2, D=0.1, D_max=0.2)
 _SHORT_MUSCLE = MuscleSizes(sigma_F=1e-3, sigma_L=1e-3, eps_2=0.05, eps_3=0.1, U=0.1, U_max=0.3)
 
 
-def first_pass(laws: Laws, y: Array, z: Array, T: float) -> SystemSizes:
+def first_pass(laws: Laws, y: Array, z: Array, T: float, tau: Array | None = None) -> SystemSizes:
     """The sizes of a recording of finite samples.
 
-    y: what is measured (n × positions and forces); z: tendon lengths Φ_S⁻¹(y) (n × muscles); T: sampling period. If
-    samples are not equidistant, T is the median of their distances, and they are taken for equidistant: gains need no
-    more. Of more than 100,000 samples ten blocks are looked at.
+    y: what is measured (n × positions and forces); z: tendon lengths Φ_S⁻¹(y) (n × muscles); T: sampling period; tau:
+    times (n), if samples are not equidistant. Then T is the median of their distances, noise is that of even steps, and
+    where samples are missing straight lines count. Of more than 100,000 samples ten blocks are looked at.
     """
     n, T = len(y), float(T)
-    if n < _FEW:
+    if n < FEW:
         return _short(laws.system, T)
     if n <= _BLOCKS * _BLOCK:
-        return _sizes(laws, y, z, T)
-    starts = np.linspace(0, n - _BLOCK, _BLOCKS).astype(int)
-    return _merged([_sizes(laws, y[i : i + _BLOCK], z[i : i + _BLOCK], T) for i in starts])
+        return _sizes(laws, y, z, T, tau)
+    blocks = [slice(start, start + _BLOCK) for start in np.linspace(0, n - _BLOCK, _BLOCKS).astype(int)]
+    return _merged([_sizes(laws, y[b], z[b], T, None if tau is None else tau[b]) for b in blocks])
 
 
 def _short(system: System, T: float) -> SystemSizes:
@@ -81,12 +81,15 @@ def _bounded(eps: float, slowest: float, T: float) -> float:
     return max(min(eps, slowest), _FASTEST * T)
 
 
-def _sizes(laws: Laws, y: Array, z: Array, T: float) -> SystemSizes:
+def _sizes(laws: Laws, y: Array, z: Array, T: float, tau: Array | None) -> SystemSizes:
     system = laws.system
     joints = len(system.joints)
+    even = None if tau is None else even_steps(tau, T)
     of_positions, of_forces, of_lengths = (
-        [noise(signal, T) for signal in signals.T] for signals in (y[:, :joints], y[:, joints:], z)
+        [noise(signal, T, even) for signal in signals.T] for signals in (y[:, :joints], y[:, joints:], z)
     )
+    if tau is not None:
+        y, z = (filled(signals.T, tau, T).T for signals in (y, z))
     q = _cleaned(y[:, :joints], [nu.sigma for nu in of_positions])
     lengths = _cleaned(z, [nu.sigma for nu in of_lengths])
     # forces count as acceleration too

@@ -16,6 +16,8 @@ _PER_OCTAVE, _LONGEST, _PART = 6, 3.0, 4
 _FEW = 8
 # noise averaged over n samples is compared as if averaged over n/8: then one constant fits all sampling rates
 _AVERAGED = 8.0
+# times as many samples as there are: more would be nearly all made up
+_MOST = 2
 # what stands for no noise at all, and for no signal at all beside the noise
 _NO_NOISE, _NO_SIGNAL = 1e-30, 1e-3
 
@@ -44,6 +46,15 @@ def structure(signal: Array, order: int, T: float) -> tuple[Array, Array]:
     n = np.unique(np.round(2 ** np.arange(0, octaves, 1 / _PER_OCTAVE)))
     n = n[(n * order <= max(len(signal) // _PART, order)) & (n <= max(_LONGEST / T, _FEW))]
     return n, np.array([np.mean(differences(signal, order, int(lag)) ** 2) for lag in n])
+
+
+def filled(signals: Array, tau: Array, T: float) -> Array:
+    """Signals (k × n) with straight lines where samples T apart are missing; as they are if most are missing."""
+    places = np.concatenate([[0.0], np.cumsum(np.maximum(np.round(np.diff(tau) / T), 1.0))])
+    if places[-1] == len(tau) - 1 or places[-1] > _MOST * len(tau):
+        return signals
+    n: Array = np.arange(places[-1] + 1)
+    return np.array([np.interp(n, places, signal) for signal in signals])
 
 
 def twice_integrated(acc: Array, T: float) -> Array:

@@ -51,6 +51,8 @@ def numbers(
     for key, (content, path) in given.items():
         value = content
         if isinstance(content, dict):
+            if list(content) == [_VALUE]:
+                raise ScenarioError(f"{path} has a value without an sd; a number without one stands alone")
             if sorted(content) != [_SD, _VALUE]:
                 raise ScenarioError(f"{path} must be a number, or {{ value = …, sd = … }}, not {shown(content)}")
             value = content[_VALUE]

@@ -68,6 +68,8 @@ class MusclePair:
 
 def read_muscles(path: str | Path) -> MusclePair:
     """The muscles of a TOML file. ScenarioError names the file and the key that is wrong, missing or unknown."""
+    if not isinstance(path, str | Path):
+        raise ScenarioError(f"muscles are a file's name or a pair that was read, not {shown(path)}")
     try:
         content = read_toml(Path(path))
     except TomlError as error:

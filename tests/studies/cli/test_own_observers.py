@@ -142,6 +142,8 @@ def test_an_own_observer_runs_in_every_study_and_only_when_it_is_named(own: Comm
         ("absent.py:x", "absent.py, line 1: ModuleNotFoundError: No module named 'nothing_like_it'"),
         ("raises.py:x", r"raises.py, line 1: ValueError: two\nlines \x1b[31m"),
         ("exits.py:x", "exits.py, line 1: SystemExit: 0"),
+        ("interrupts.py:x", "interrupts.py, line 2: KeyboardInterrupt"),
+        ("base.py:x", "base.py, line 1: GeneratorExit: no"),
         ("deep.py:x", "deep.py, line 1: RecursionError: maximum recursion depth exceeded"),
         ("bytes.py:x", "bytes.py, line 1: SyntaxError: (unicode error) 'utf-8' codec can't decode byte 0xff"),
     ],
@@ -153,6 +155,8 @@ def test_a_file_without_such_a_block_is_a_sentence(given: str, sentence: str, ow
         "absent.py": b"import nothing_like_it\n",
         "raises.py": b'raise ValueError("two\\nlines \\x1b[31m")\n',
         "exits.py": b"raise SystemExit(0)\n",
+        "interrupts.py": b"import time\nraise KeyboardInterrupt\n",
+        "base.py": b"raise GeneratorExit('no')\n",
         "deep.py": b"def f(): f()\nf()\n",
         "bytes.py": b"x = '\xff'\n",
     }.items():

@@ -9,7 +9,7 @@ import pytest
 
 from hillobs.observers import PAPER
 from hillobs.studies.estimate.run import estimate
-from hillobs.studies.files.errors import ScenarioError
+from hillobs.studies.files.errors import RecordingError, ScenarioError
 from hillobs.studies.laboratory.recording import Recording
 from shipped_recording import MUSCLES, write_measured
 
@@ -27,6 +27,13 @@ def test_what_cannot_be_is_a_sentence(short: Recording) -> None:
     many = dataclasses.replace(short, time=np.arange(1e7), measured=still, true={})
     with pytest.raises(ScenarioError, match=r"10,000,000 samples make .* keep every 6th \(--every 6\) or fewer"):
         estimate(many, MUSCLES)
+    for none in ([], (), 3):
+        with pytest.raises(ScenarioError, match=r"observers must be one or more, not .*; left out they are high_gain"):
+            estimate(short, MUSCLES, none)
+    with pytest.raises(RecordingError, match="a recording is a file's name or one that was read, not 3"):
+        estimate(3, MUSCLES)
+    with pytest.raises(ScenarioError, match="muscles are a file's name or a pair that was read, not 3"):
+        estimate(short, 3)
     assert estimate(short, MUSCLES).observer.values.tolist() == list(PAPER)
     assert estimate(short, MUSCLES, ["high_gain", "high_gain"]).sizes["observer"] == 1
 

@@ -1,6 +1,7 @@
 """What a recording lacks is bridged and told, or refused in one sentence; no recording gives anything else."""
 
 import dataclasses
+import json
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,7 @@ from hillobs.studies.estimate.scores import scores
 from hillobs.studies.files.errors import RecordingError
 from hillobs.studies.laboratory.muscles import MusclePair, read_muscles
 from hillobs.studies.laboratory.recording import Recording, read_recording
-from shipped_recording import ALL_OBSERVERS, MUSCLES, SHIPPED, part
+from shipped_recording import ALL_OBSERVERS, MUSCLES, SHIPPED, part, rmse
 
 pytestmark = pytest.mark.numerics
 
@@ -40,6 +41,24 @@ def test_short_gaps_are_bridged_and_told(short: Recording) -> None:
     )
     during = {"observer": "kalman", "time": slice(0.51, 0.54)}
     assert (estimates.activation_sd_state.sel(during) > 1.1 * as_measured.activation_sd_state.sel(during)).all()
+
+
+def test_gains_and_noise_are_those_of_the_recording_where_a_quarter_of_its_samples_is_missing(
+    noisy: xr.Dataset,
+) -> None:
+    whole = read_recording(SHIPPED)
+    kept = np.random.default_rng(3).random(len(whole)) > 0.25
+    true = {name: values[kept] for name, values in whole.true.items()}
+    estimates = estimate(part(whole, kept, true=true), MUSCLES, ["high_gain", "kalman"])
+    sizes, usual = (json.loads(of.attrs["sizes"]) for of in (estimates, noisy))
+    # a median of 360 differences is off by 1.2/√360 = 6 %
+    for name in ("sigma_1", "sigma_F1", "sigma_F2", "eps_1", "eps_L", "D", "U"):
+        assert sizes[name] == pytest.approx(usual[name], rel=0.15), name
+    for quantity in ("velocity", "activation"):
+        errors, all_of_it = rmse(estimates, quantity), rmse(noisy, quantity)
+        for name, error in errors.items():
+            # of 3/4 of the samples it is larger by √(4/3)
+            assert error < 1.25 * all_of_it[name], (name, quantity)
 
 
 @pytest.mark.parametrize(

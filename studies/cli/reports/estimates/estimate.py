@@ -14,7 +14,9 @@ from rich.text import Text
 from .....model.arrays import Array
 from .....model.skeleton.load import pull
 from .....observers import label
+from ....estimate.bands.doubt import stated
 from ....estimate.scores import SETTLED, TOGETHER, WITHIN_95, Score
+from ....estimate.sizes.first_pass import FEW
 from ..conditions import violated_conditions
 from ..number import counted, number
 from .likelihood import decisions
@@ -27,6 +29,8 @@ _UNITS = {"m": ("mm", 1e3), "m/s": ("mm/s", 1e3), "1": ("", 1.0)}
 _FEW = 3
 # a time from here on has no decimals
 _WHOLE = 10.0
+# an activation that may be off by more is not known at all
+_ALL = 1.0
 # a step longer than this many of the usual is worth a word
 _UNEVEN = 1.1
 # the mass's acceleration over the muscles' pull: how steep is clearly against it, and how large is no slow motion,
@@ -43,6 +47,8 @@ def notes(dataset: xr.Dataset) -> Iterator[str]:
         f"one every {period * 1e3:.4g} ms"
         + (f", but some after {longest * 1e3:.4g} ms" if longest > _UNEVEN * period else "")
     )
+    if int(attributes["samples"]) < FEW:
+        yield f"fewer than {FEW} samples tell neither noise nor speed: gains are those of a usual recording"
     if (keep_every := json.loads(attributes["settings"])["keep_every"]) > 1:
         yield f"estimates are kept of every {keep_every}th sample"
     yield from json.loads(attributes["notes"])
@@ -71,8 +77,7 @@ def notes(dataset: xr.Dataset) -> Iterator[str]:
             ):
                 if (active := of[what].sel(muscle=j).values > 0).any():
                     yield f"  {sentence} {_episodes(time, active)}"
-    if "activation_sd_muscle" in dataset:
-        yield from _in_doubt(dataset.activation_sd_muscle.isel(observer=0))
+    yield from _in_doubt(dataset)
     yield from violated_conditions(dataset)
 
 
@@ -94,14 +99,23 @@ def _gains(numbers: dict[str, float]) -> list[str]:
     return told
 
 
-def _in_doubt(deviations: xr.DataArray) -> Iterator[str]:
-    """What the numbers in doubt do to the activations in the mean over time, if their deviations are known at any."""
-    mean = float(np.sqrt((deviations**2).mean()))
-    if np.isfinite(mean):
-        yield (
-            f"activations may be off by {number(WITHIN_95 * mean)} (95 %) since the muscles' numbers are known only so "
-            "well, see --doubt"
-        )
+def _in_doubt(dataset: xr.Dataset) -> Iterator[str]:
+    """Which numbers are in doubt, and what they do to the activations at most times; of the observer with all parts."""
+    observer = next((name for name in dataset.observer.values.tolist() if _knows_noise(dataset, name)), None)
+    if "activation_sd_muscle" in dataset:
+        of = dataset.sel(observer=observer) if observer else dataset.isel(observer=0)
+        off, whose = WITHIN_95 * float(of.activation_sd_muscle.median()), label(str(of.observer.values))
+        why = "since the muscles' numbers are known only so well, see --doubt"
+        if off > _ALL:
+            yield f"how far the activations of {whose} may be off cannot be told, {why}"
+        elif np.isfinite(off):
+            yield f"the activations of {whose} may be off by {number(off)} (95 %, median over time) {why}"
+    if doubt := json.loads(dataset.attrs["doubt"]):
+        yield f"  standard deviations: {', '.join(f'{name} {sd}' for name, sd in stated(doubt).items())}"
+
+
+def _knows_noise(dataset: xr.Dataset, observer: str) -> bool:
+    return "activation_sd_state" in dataset and bool(dataset.activation_sd_state.sel(observer=observer).notnull().any())
 
 
 def failures(dataset: xr.Dataset) -> Iterator[str]:
