@@ -73,6 +73,11 @@ class Recording:
         """What was measured."""
         return self.measured[name]
 
+    def part(self, which: slice) -> Recording:
+        """Some of its samples."""
+        measured, true = ({name: values[which] for name, values in of.items()} for of in (self.measured, self.true))
+        return replace(self, time=self.time[which], measured=measured, true=true, rows=self.rows[which])
+
     def remeasured(self, **measured: Array) -> Recording:
         """The same with other measurements."""
         return replace(self, measured={**self.measured, **measured})

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -116,7 +116,4 @@ def _middle(read: Recording) -> Recording:
     if len(read) <= _MOST:
         return read
     start = (len(read) - _MOST) // 2
-    part = slice(start, start + _MOST)
-    columns = {"time": read.time[part], "rows": read.rows[part]}
-    columns["measured"] = {name: values[part] for name, values in read.measured.items()}
-    return replace(read, **columns, true={name: values[part] for name, values in read.true.items()})
+    return read.part(slice(start, start + _MOST))

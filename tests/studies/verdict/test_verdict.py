@@ -125,8 +125,8 @@ def test_of_a_long_recording_the_middle_is_weighed_and_that_is_said(
 
 def test_muscles_are_not_weighed_by_what_a_sensor_that_hangs_tells(shipped: Given) -> None:
     recording, pair = shipped
-    frozen = np.where(recording.time < 1, recording.position[0], recording.position)
-    verdict = hillobs.verdict(dataclasses.replace(recording, position=frozen), pair)
+    frozen = np.where(recording.time < 1, recording["position"][0], recording["position"])
+    verdict = hillobs.verdict(recording.remeasured(position=frozen), pair)
     assert "position is the same number from 0 to 0.995 s" in doubts(verdict)
     assert {finding.subject for finding in verdict.findings}.isdisjoint({"muscles", "form", "untold"})
     assert verdict.weighed == 0
