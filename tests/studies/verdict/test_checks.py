@@ -9,6 +9,7 @@ import pytest
 
 from hillobs.model.arrays import Array
 from hillobs.studies.cli import estimate as estimate_command
+from hillobs.studies.cli.shell.stopping import Stopped
 from hillobs.studies.estimate.run import estimate, recorded
 from hillobs.studies.kalman.run import causal_inputs
 from hillobs.studies.laboratory.muscles import read_muscles
@@ -155,16 +156,23 @@ def test_a_bias_would_change_activations_that_are_limited_too(short: Recording) 
     assert changes[1] == pytest.approx(changes[0], rel=0.5)
 
 
+@pytest.mark.parametrize("end", [ZeroDivisionError, Stopped])
 def test_estimates_are_written_whatever_becomes_of_the_verdict(
-    short: Recording, command: Callable[..., tuple[int, str, str]], monkeypatch: pytest.MonkeyPatch
+    end: type[BaseException],
+    short: Recording,
+    command: Callable[..., tuple[int, str, str]],
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     columns = np.column_stack([short.time, short["position"], short["force_1"], short["force_2"]])
     np.savetxt("run.csv", columns, delimiter=",", header="time,position,force_1,force_2", comments="")
 
     def fails(*arguments: object) -> None:
-        raise ZeroDivisionError
+        raise end
 
     monkeypatch.setattr(estimate_command, "judged", fails)
-    with pytest.raises(ZeroDivisionError):
+    with pytest.raises(end) as caught:
         command("estimate", "run.csv", "--muscles", str(MUSCLES), "--observer", "kalman", "--no-figures")
     assert {path.suffix for path in Path("estimates").iterdir()} >= {".nc", ".csv", ".sto"}
+    # who stops it is told where they are
+    told = ["the estimates are in estimates, without a verdict"] if end is Stopped else []
+    assert getattr(caught.value, "__notes__", []) == told
