@@ -52,8 +52,10 @@ def test_gains_and_noise_are_those_of_the_recording_where_a_quarter_of_its_sampl
     estimates = estimate(part(whole, kept, true=true), MUSCLES, ["high_gain", "kalman"])
     sizes, usual = (json.loads(of.attrs["sizes"]) for of in (estimates, noisy))
     # a median of 360 differences is off by 1.2/√360 = 6 %
-    for name in ("sigma_1", "sigma_F1", "sigma_F2", "eps_1", "eps_L", "D", "U"):
-        assert sizes[name] == pytest.approx(usual[name], rel=0.15), name
+    for kind, names in (("joints", ("sigma", "eps", "D")), ("muscles", ("sigma_F", "eps_2", "U"))):
+        for of, expected in usual[kind].items():
+            for name in names:
+                assert sizes[kind][of][name] == pytest.approx(expected[name], rel=0.15), (of, name)
     for quantity in ("velocity", "activation"):
         errors, all_of_it = rmse(estimates, quantity), rmse(noisy, quantity)
         for name, error in errors.items():
