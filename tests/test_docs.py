@@ -49,6 +49,7 @@ def desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     for row in table[1:]:
         row[at] = str(float(row[at]) * 1e3)  # millimetres, as the pages say
     (tmp_path / "run.csv").write_text("\n".join(map(",".join, table)), encoding="utf-8")
+    (tmp_path / "fitted-run.csv.toml").write_text("kalman.s_D = 0.01\n", encoding="utf-8")
     (tmp_path / "hour.csv.gz").symlink_to(RECORDINGS / "dgf_smooth_noisy.csv.gz")
     (tmp_path / "pair.toml").symlink_to(RECORDINGS / "dgf_smooth.toml")
     monkeypatch.chdir(tmp_path)

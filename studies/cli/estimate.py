@@ -2,28 +2,34 @@
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import json
 import sys
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
 import click
 
-from ..estimate.files import estimate_paths, refuse_replacing, report_path, save_estimates
+from ..estimate.files import estimate_paths, refuse_replacing, report_path, save_again, save_estimates
 from ..estimate.run import KALMAN, compile_observers
 from ..estimate.run import estimate as estimated
 from ..estimate.scores import scores
 from ..figures.estimate import SHEET, estimate_sheet
 from ..figures.page import content, figure_paths, write_figures
+from ..files.errors import ScenarioError
+from ..files.quote import escaped
 from ..files.writing import writable_folder, write_whole
 from ..kalman.run import AUTO, FORMS
 from ..laboratory.mapping import read_mapping
+from ..laboratory.mechanisms.reading import read_mechanism
 from ..laboratory.muscles import read_muscles
 from ..laboratory.recording import read_recording
+from ..laboratory.subject import Subject, pair_subject, subject_of
 from ..scenarios.layers import Value
 from ..scenarios.observers import observers_named
-from ..verdict.run import verdict
+from ..verdict.run import judged
 from .reports.estimates.estimate import failures, notes, score_table, timing
 from .reports.estimates.estimate_page import estimate_page
 from .reports.estimates.verdict import answer, sentences
@@ -38,15 +44,18 @@ from .shell.options import (
     whole_option,
 )
 from .shell.own_observers import loaded
+from .shell.stopping import Stopped
 from .shell.terminal import NUMERICAL, bar, complain, print_table, say
 
+_KALMAN_TOO = "--observer kalman also says what noise leaves open, smooths, and judges recording and muscles"
 # what the figures begin with
 _STEM = "estimates"
 
 
 @click.command()
 @click.argument("recording", metavar="RECORDING")
-@click.option("--muscles", required=True, metavar="FILE.toml", help="The muscles in SI, see docs/recordings.md.")
+@click.option("--muscles", metavar="FILE.toml", help="A pair of muscles in SI, see docs/recordings.md.")
+@click.option("--mechanism", metavar="FILE.toml", help="Or joints and muscles, see docs/mechanisms.md.")
 @observer_option()
 @corrected_option(default=True)
 @mapping_option()
@@ -72,7 +81,8 @@ _STEM = "estimates"
 @click.option("--report", is_flag=True, help="Write a page for a browser too: figure, scores, settings, in one file.")
 def estimate(
     recording: str,
-    muscles: str,
+    muscles: str | None,
+    mechanism: str | None,
     observers: tuple[str, ...],
     corrected: bool,
     maps: tuple[str, ...],
@@ -91,19 +101,19 @@ def estimate(
 ) -> None:
     """Estimate velocity, lengths, activations and disturbance from RECORDING: CSV, .sto or .mot, also gzipped.
 
-    It needs time, position and both tendon forces. If it has the truth too, the estimates are scored.
+    It needs time, positions and tendon forces. If it has the truth too, the estimates are scored.
     """
     folder = writable_folder(Path(out))
-    chosen, pair, mapping = loaded(observers), read_muscles(muscles), read_mapping(maps)
+    chosen, subject, mapping = loaded(observers), _subject(muscles, mechanism), read_mapping(maps)
     times = [time.monotonic()]
     with bar("reading") as progress:
-        read = read_recording(recording, mapping, progress)
+        read = read_recording(recording, mapping, progress, subject.columns)
     times.append(time.monotonic())
     sheet = [] if no_figures else [SHEET]
     paths = estimate_paths(folder, tuple(observers_named(chosen)), bool(read.true))
     refuse_replacing(folder, [*paths, *figure_paths(folder, _STEM, sheet), *[report_path(folder)] * report])
     with bar("following") as progress:
-        compile_observers(pair, chosen, corrected)
+        compile_observers(subject, chosen, corrected)
         # following ends with its last progress: making a Dataset imports half of dask, which no observer costs
         times += [time.monotonic()] * 2
 
@@ -113,7 +123,7 @@ def estimate(
 
         dataset = estimated(
             read,
-            pair,
+            subject,
             chosen,
             None,
             corrected,
@@ -127,26 +137,31 @@ def estimate(
             not no_doubt,
         )
     reading, building, following = (after - before for before, after in itertools.pairwise(times))
-    known, judged = scores(dataset), None
-    if KALMAN in dataset.observer and not no_verdict:
-        with bar("weighing") as progress:
-            judged = verdict(read, pair, None, progress)
-        dataset.attrs |= {"quality": judged.quality, "verdict": json.dumps(judged.as_dict())}
-    with bar("writing"):
-        paths = save_estimates(dataset, known, folder)
+    known, found = scores(dataset), None
+    with bar("writing") as progress:
+        # first of all: what is said of estimates may take longer than they did
+        paths = save_estimates(dataset, known, folder, progress)
         drawn = {} if no_figures and not report else {SHEET: estimate_sheet(dataset)}
         if not no_figures:
             paths += write_figures(drawn, folder, _STEM)
-        if report:
-            lines = list(sentences(judged)) if judged else []
-            page = estimate_page(dataset, known, lines, content(drawn[SHEET], "png"))
-            write_whole(report_path(folder), page)
-            paths.append(report_path(folder))
     say(*notes(dataset), timing(dataset, reading, building, following), err=as_json)
-    if judged:
-        say("", *sentences(judged), err=as_json)
+    if chosen is None:
+        say(
+            "--observer kalman also says what noise leaves open, smooths, and judges recording and muscles", err=as_json
+        )
+    if subject.pair and KALMAN in dataset.observer and not no_verdict:
+        with _noting_what_is_kept(folder), bar("weighing") as progress:
+            found = judged(read, subject.pair, dataset, progress)
+        dataset.attrs |= {"quality": found.quality, "verdict": json.dumps(found.as_dict())}
+        with bar("writing"):
+            save_again(dataset, folder)
+        say("", *sentences(found), err=as_json)
+    if report:
+        lines = list(sentences(found)) if found else []
+        write_whole(report_path(folder), estimate_page(dataset, known, lines, content(drawn[SHEET], "png")))
+        paths.append(report_path(folder))
     if as_json:
-        say(*answer(judged, known, paths).split("\n"))
+        say(*answer(found, known, paths).split("\n"))
     elif known:
         say("")
         print_table(score_table(known))
@@ -156,3 +171,22 @@ def estimate(
         complain(sentence)
     if ended:
         sys.exit(NUMERICAL)
+
+
+def _subject(muscles: str | None, mechanism: str | None) -> Subject:
+    """The pair or the mechanism of a file. ScenarioError unless there is one of both, or for what is wrong in it."""
+    if (muscles is None) == (mechanism is None):
+        raise ScenarioError("a recording needs --muscles FILE.toml, a pair, or --mechanism FILE.toml, one of them")
+    if mechanism is not None:
+        return subject_of(read_mechanism(mechanism))
+    return pair_subject(read_muscles(str(muscles)))
+
+
+@contextlib.contextmanager
+def _noting_what_is_kept(folder: Path) -> Iterator[None]:
+    """A signal that comes while estimates are judged is noted where they are."""
+    try:
+        yield
+    except Stopped as stopped:
+        stopped.add_note(escaped(f"the estimates are in {folder}, without a verdict"))
+        raise

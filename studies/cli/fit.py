@@ -18,15 +18,15 @@ from .shell.terminal import bar, say
 
 @click.command()
 @click.argument("source", metavar="SCENARIO|RECORDING")
-@click.option("--muscles", metavar="FILE.toml", help="The muscles in SI: then SOURCE is a recording.")
+@click.option("--muscles", metavar="FILE.toml", help="The muscles in SI, of a RECORDING.")
 @mapping_option()
 @set_option("A number of the scenario, or of the filter by hand: kalman.order_u=2.")
 @click.option("--out", default="results", show_default=True, metavar="DIR", help="Where the numbers are written.")
 def fit(source: str, muscles: str | None, maps: tuple[str, ...], changes: dict[str, Value], out: str) -> None:
     """Find the densities and orders of the Kalman filter for which what was measured is likeliest.
 
-    SOURCE is a scenario, or with --muscles a recording. The numbers are written as a scenario file: that of a scenario
-    can be run as it is.
+    Of a SCENARIO, or with --muscles of a RECORDING. The numbers are written as a TOML file: that of a scenario can be
+    run as it is, that of a recording is given to `hillobs estimate` with --set.
     """
     folder = writable_folder(Path(out))
     with bar("fitting") as progress:

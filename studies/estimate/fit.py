@@ -11,17 +11,20 @@ from typing import Any
 import numpy as np
 
 from ...model.arrays import Array
+from ...model.system import pair_system
 from ...observers import OBSERVERS, estimator
 from ...observers.kalman.parameters import INPUTS as OF_INPUTS
 from ...observers.kalman.parameters import NOISE
 from ..files.errors import ScenarioError
 from ..files.progress import Progress, shares, unseen
+from ..files.quote import shown
 from ..kalman.orders import chosen_inputs, manifest
 from ..kalman.record import Record, segments, settled
 from ..kalman.run import INPUTS
+from ..laboratory.laws import Laws
 from ..laboratory.muscles import MusclePair
 from ..laboratory.recording import Recording
-from ..scenarios.layers import Value, layers, shipped
+from ..scenarios.layers import SUFFIX, Value, layers, shipped
 from ..scenarios.paths import paths_of
 from ..scenarios.prepare import prepare
 from ..simulate.run import simulate_prepared
@@ -73,8 +76,11 @@ def fitted(
     """The same, and how it was found."""
     if muscles is not None:
         return _of_recording(source, muscles, mapping, changes, progress)
-    if isinstance(source, Recording):
-        raise ScenarioError("a recording needs its muscles to be followed")
+    if isinstance(source, Recording) or Path(source).suffix not in ("", SUFFIX):
+        name = "" if isinstance(source, Recording) else f"{shown(str(source))}: "
+        raise ScenarioError(f"{name}a recording needs its muscles (--muscles) to be followed")
+    if mapping:
+        raise ScenarioError("a mapping (--map) names columns of a recording, and a scenario has none")
     return _of_scenario(source, changes, progress)
 
 
@@ -107,18 +113,18 @@ def _of_scenario(source: str | Path, changes: Mapping[str, Value], progress: Pro
     if not np.isfinite(y).all():
         raise ScenarioError(f"{prepared.label}: the plant fails; there is nothing to be likely")
     curves, paths = prepared.scenario.curves, prepared.paths
-    compiled, block = compiled_bank(follower_bank(curves, False, ())), estimator(OBSERVERS[KALMAN].build(), curves)
+    compiled = compiled_bank(follower_bank(pair_system(curves), False, ()))
+    block = estimator(OBSERVERS[KALMAN].block(), pair_system(curves))
     given = prepared.scenario.given
     tendons = lengths_block(compiled.bank)
     z, slopes = measured_tendons(compiled, np.array(paths_of([tendons]).values(tendons, given)), y)
     numbers = dict(zip(block.p, paths.values(block, given), strict=True))
-    sizes = first_pass(y.T, z.T, numbers["m"], T)
+    sizes = first_pass(Laws(pair_system(curves), numbers), y, z, T).pair
     tau: Array = np.arange(float(len(y))) * T
     record = Record(tau, y, z, slopes, np.ones(len(y), dtype=bool), numbers, sizes, T, curves)
     by_hand = {name: given[path] for path in changes for name in [path.removeprefix(f"{KALMAN}.")] if name != path}
     table = record.table()
-    choice = chosen_inputs(record, [settled(table[part]) for part in segments(len(record))], by_hand)
-    next(parts)(1.0)
+    choice = chosen_inputs(record, [settled(table[part]) for part in segments(len(record))], by_hand, next(parts))
     found = {f"{KALMAN}.{name}": choice.fit.numbers[name] for name in _FOUND}
     return Fitted(usual.label, _written(source, changes), found, manifest(choice), len(y))
 

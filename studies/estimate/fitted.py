@@ -11,10 +11,9 @@ import numpy as np
 from ...codegen.failure import Failure
 from ...model.arrays import Array
 from ...model.block import STEP, Block
-from ...observers.kalman.activations import ACTIVATIONS_MODEL
-from ...observers.kalman.inputs import INPUTS_MODEL
+from ..files.errors import RecordingError
 from ..files.progress import Progress
-from ..kalman.orders import Choice, manifest
+from ..kalman.orders import Choice, found_numbers, manifest
 from ..kalman.record import Record, refuse_short
 from ..kalman.run import ACTIVATIONS, How, Passed, passed
 from ..kalman.tendons import about_estimates
@@ -30,40 +29,40 @@ def fitted_result(case: Case, block: Block, numbers: Mapping[str, float], progre
         for owner, _, name in [path.partition(".")]
         if owner == block.name
     }
-    found = passed(record_of(case, numbers), _how(case), by_hand, case.settings.keep_every, progress)
+    how = _how(case)
+    found = passed(record_of(case, numbers), how, by_hand, case.settings.keep_every, progress)
     y = {name: found.outputs[name] for name in block.y}
     failure = _failure(case, block, numbers, y)
     guards = {name: found.outputs[name] for name in block.guards if name in found.outputs}
     if failure:
-        late = case.tau[case.kept] >= failure.time
+        from_then_on = case.tau[case.kept] >= failure.time
         for values in (*y.values(), *guards.values()):
-            values[late] = np.nan
-    gains = {f"{block.name}.{name}": value for name, value in _chosen(found).fit.numbers.items() if name in _SHOWN}
-    return Result(y, guards, gains, 1, [], failure, _told(found))
+            values[from_then_on] = np.nan
+    gains = {f"{block.name}.{name}": value for name, value in found_numbers(_chosen(found)).items()}
+    late = (how.lag or 0) * case.period / case.scales.rate
+    return Result(y, guards, gains, 1, [], failure, {**_told(found), "lag": late})
 
 
 def record_of(case: Case, numbers: Mapping[str, float]) -> Record:
     """A recording as the filter's passes take it; numbers: values of the filter's parameters by name."""
+    sizes, curves = case.sizes.pair, case.pair.curves
     return about_estimates(
-        Record(case.tau, case.y, case.z, case.slopes, ~case.gaps, numbers, case.sizes, case.period, case.pair.curves)
+        Record(case.tau, case.y, case.z, case.slopes, ~case.gaps, numbers, sizes, case.period, curves)
     )
 
 
-# numbers of the models that are found, or asked for; the others are the muscles', or start the filter
-_SHOWN = {
-    name
-    for name in (*INPUTS_MODEL.parameters, *ACTIVATIONS_MODEL.parameters)
-    if name.startswith(("s_", "sigma", "order"))
-}
-
-
 def _how(case: Case) -> How:
-    settings = case.settings
+    """RecordingError if the recording is shorter than its lag."""
+    settings, time = case.settings, case.recording.time
     if settings.smooth:
         return How(settings.form, None)
-    samples = settings.lag * case.scales.rate / case.period
+    if settings.lag > (duration := float(time[-1] - time[0])):
+        raise RecordingError(
+            f"{case.recording.source}: a lag of {settings.lag:g} s is longer than the recording, {duration:.4g} s; "
+            "smooth (--smooth) knows all samples"
+        )
     # a lag of less than half a sample is none
-    return How(settings.form, round(samples))
+    return How(settings.form, round(settings.lag * case.scales.rate / case.period))
 
 
 def _chosen(found: Passed) -> Choice:

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 from ...model.arrays import Array
+from ...model.block import Parameters
 from ...observers.kalman.activations import ACTIVATIONS_MODEL, OF_LAW
 from ...observers.kalman.activations import DENSITIES as OF_ACTIVATIONS
 from ...observers.kalman.inputs import DENSITIES as OF_INPUTS
 from ...observers.kalman.inputs import INPUTS_MODEL
 from ...observers.kalman.parameters import densities, least_densities, noise, resolved
+from ..files.progress import Progress, shares, unseen
 from .fit import Fit, fitted
 from .passes import compiled
 from .record import Record
@@ -23,20 +26,30 @@ _USUAL, _OTHERS = 2, (1, 3)
 # the least of the second pass's densities, in what they are at first: where they mean nothing
 _LEAST = 1e-4
 
+# what the second pass alone has
+SECOND_PASS: Parameters = {
+    name: parameter for name, parameter in ACTIVATIONS_MODEL.parameters.items() if name not in INPUTS_MODEL.parameters
+}
+# how the names of noise, densities and orders begin
+_FOUND = ("s_", "sigma", "order")
+
 # order of Δ, order of u or a → fit
 Fitting = Callable[[int, int], Fit]
 
 
 @dataclass(frozen=True)
 class Choice:
-    """The likeliest fit, its orders, and log L of all orders that were tried."""
+    """The likeliest fit, its orders, and log L of all orders that were tried; needed: by how much it must be larger."""
 
     orders: tuple[int, int]
     fit: Fit
     tried: Mapping[tuple[int, int], float] = field(default_factory=dict)
+    needed: Mapping[tuple[int, int], float] = field(default_factory=dict)
 
 
-def chosen_inputs(record: Record, tables: Sequence[Array], by_hand: Mapping[str, float]) -> Choice:
+def chosen_inputs(
+    record: Record, tables: Sequence[Array], by_hand: Mapping[str, float], progress: Progress = unseen
+) -> Choice:
     """The model of the first pass for a recording, of which densities are fitted to the `tables`.
 
     by_hand: name → value of what is to stay as it is.
@@ -49,7 +62,7 @@ def chosen_inputs(record: Record, tables: Sequence[Array], by_hand: Mapping[str,
         return fitted(passes, tables, numbers, _free(OF_INPUTS, least, by_hand))
 
     rougher = max(_GAIN, _ROUGHER * sum(float(rows[:, -1].sum()) for rows in tables))
-    return _likeliest(fitting, _tried(by_hand, "order_D"), _tried(by_hand, "order_u"), rougher)
+    return _likeliest(fitting, _tried(by_hand, "order_D"), _tried(by_hand, "order_u"), rougher, progress)
 
 
 def before_a_fit(
@@ -60,10 +73,13 @@ def before_a_fit(
     least = least_densities(sizes, T, order_D, order_u)
     start = {name: max(value, least[name]) for name, value in densities(sizes, T, order_D, order_u).items()}
     orders = {"order_D": float(order_D), "order_u": float(order_u)}
-    return {**record.numbers, **noise(record.sizes, T), **start, **orders, **by_hand}
+    mine = _known(by_hand, INPUTS_MODEL.parameters)
+    return {**record.numbers, **noise(record.sizes, T), **start, **orders, **mine}
 
 
-def chosen_activations(record: Record, tables: Sequence[Array], first: Choice, by_hand: Mapping[str, float]) -> Choice:
+def chosen_activations(
+    record: Record, tables: Sequence[Array], first: Choice, by_hand: Mapping[str, float], progress: Progress = unseen
+) -> Choice:
     """The model of the second pass; the tables are linear about the first."""
     passes, parameters = compiled(ACTIVATIONS_MODEL), ACTIVATIONS_MODEL.parameters
     # Δ_Φ is the same in both passes, and so is its order
@@ -78,44 +94,68 @@ def chosen_activations(record: Record, tables: Sequence[Array], first: Choice, b
         numbers = {**defaults, **_known(first.fit.numbers, parameters), **own, **_known(by_hand, parameters)}
         return fitted(passes, tables, numbers, free)
 
-    choice = _likeliest(fitting, [order_D], _tried(by_hand, "order_a"), _GAIN)
+    orders = _tried(by_hand, "order_a")
+    ordering, last = shares(progress, [len(orders), 1])
+    choice = _likeliest(fitting, [order_D], orders, _GAIN, ordering)
     # towards 0 the fixed point creeps, and log L hardly tells: it is asked for what the law leaves, or nothing
     others = {name: smallest for name, smallest in free.items() if name not in OF_LAW}
     exact = {**choice.fit.numbers, **{name: free[name] for name in OF_LAW if name in free}}
     without = fitted(passes, tables, exact, others)
+    last(1.0)
     better = max((without, choice.fit), key=lambda fit: fit.log_likelihood)
     return replace(choice, fit=replace(better, passes=choice.fit.passes + without.passes))
+
+
+def found_numbers(choice: Choice) -> dict[str, float]:
+    """Noise, densities and orders by name, found or asked for; the others are the muscles', or start the filter."""
+    return {name: value for name, value in choice.fit.numbers.items() if name.startswith(_FOUND)}
 
 
 def manifest(choice: Choice) -> dict[str, Any]:
     """A choice in words of JSON."""
     return {
+        "numbers": found_numbers(choice),
         "orders": list(choice.orders),
         "log_likelihood": choice.fit.log_likelihood,
         "passes": choice.fit.passes,
         "tried": {f"{D},{second}": value for (D, second), value in choice.tried.items()},
+        "needed": {f"{D},{second}": value for (D, second), value in choice.needed.items()},
     }
 
 
-def _likeliest(fitting: Fitting, of_D: Sequence[int], of_second: Sequence[int], rougher: float) -> Choice:
+def _likeliest(
+    fitting: Fitting, of_D: Sequence[int], of_second: Sequence[int], rougher: float, progress: Progress
+) -> Choice:
     """The usual orders, first in both lists, unless others gain enough; `rougher`: what orders below them must gain."""
-    fits = {(of_D[0], second): fitting(of_D[0], second) for second in of_second}
-    best = _best(fits, rougher)
-    fits |= {(order_D, best[1]): fitting(order_D, best[1]) for order_D in of_D[1:]}
-    best = _best({best: fits[best], **fits}, rougher)
-    return Choice(best, fits[best], {orders: fit.log_likelihood for orders, fit in fits.items()})
+    done, parts = itertools.count(1), len(of_second) + len(of_D) - 1
+
+    def fit(order_D: int, second: int) -> Fit:
+        found = fitting(order_D, second)
+        progress(next(done) / parts)
+        return found
+
+    usual = of_D[0], of_second[0]
+    fits = {(of_D[0], second): fit(of_D[0], second) for second in of_second}
+    best = _best(fits, usual, rougher)
+    fits |= {(order_D, best[1]): fit(order_D, best[1]) for order_D in of_D[1:]}
+    best = _best({best: fits[best], **fits}, best, rougher)
+    likelihoods = {orders: found.log_likelihood for orders, found in fits.items()}
+    return Choice(best, fits[best], likelihoods, {orders: _needed(orders, usual, rougher) for orders in fits})
 
 
-def _best(fits: Mapping[tuple[int, int], Fit], rougher: float) -> tuple[int, int]:
-    """The likeliest orders of those that gain enough over the first."""
-    first = next(iter(fits))
+def _best(fits: Mapping[tuple[int, int], Fit], usual: tuple[int, int], rougher: float) -> tuple[int, int]:
+    """The likeliest orders of those that gain enough over the usual ones."""
 
     def gain(orders: tuple[int, int]) -> float:
-        below = any(order < usual for order, usual in zip(orders, first, strict=True))
-        return fits[orders].log_likelihood - fits[first].log_likelihood - (rougher if below else _GAIN)
+        return fits[orders].log_likelihood - fits[usual].log_likelihood - _needed(orders, usual, rougher)
 
     best = max(fits, key=gain)
-    return best if gain(best) > 0 else first
+    return best if gain(best) > 0 else usual
+
+
+def _needed(orders: tuple[int, int], usual: tuple[int, int], rougher: float) -> float:
+    """What log L must gain over that of the usual orders; more if one of them is lower."""
+    return rougher if any(order < least for order, least in zip(orders, usual, strict=True)) else _GAIN
 
 
 def _tried(by_hand: Mapping[str, float], name: str) -> list[int]:

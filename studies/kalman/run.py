@@ -14,10 +14,10 @@ from ...observers.kalman.activations import ACTIVATIONS_MODEL
 from ...observers.kalman.inputs import INPUTS_MODEL
 from ...observers.kalman.parameters import resolved, slowest
 from ...observers.ports import ESTIMATES
-from ..files.progress import Progress, shares
+from ..files.progress import Progress, shares, unseen
 from .muscles import ACTIVATION, LAW, SPREAD, compiled_muscles
 from .orders import Choice, chosen_activations, chosen_inputs
-from .passes import CompiledPasses, compiled, row_names, table
+from .passes import CompiledPasses, Filtered, compiled, row_names, table
 from .record import Record, segments, settled
 
 INPUTS, ACTIVATIONS, AUTO = "u", "a", "auto"
@@ -64,20 +64,24 @@ def passed(record: Record, how: How, by_hand: Mapping[str, float], keep_every: i
     """
     parts, whole = shares(progress, [_FIT, _FIT, 2 * _PASS]), record.table()
     fitted_to = [settled(whole[part]) for part in segments(len(record))]
-    inputs = chosen_inputs(record, fitted_to, by_hand)
-    next(parts)(1.0)
-    activations = None if how.form == INPUTS else _second(record, fitted_to, inputs, how, by_hand)
-    next(parts)(1.0)
+    inputs = chosen_inputs(record, fitted_to, by_hand, next(parts))
+    second = next(parts)
+    activations = None if how.form == INPUTS else _second(record, fitted_to, inputs, how, by_hand, second)
+    second(1.0)
     form, outputs = estimated(record, how, inputs, activations, keep_every, next(parts))
     return Passed(form, inputs, activations, outputs)
 
 
+def causal_inputs(record: Record, by_hand: Mapping[str, float]) -> Choice:
+    """The model of the first pass by all samples of a recording; by_hand: orders that are known."""
+    return chosen_inputs(record, [settled(record.table())], by_hand)
+
+
 def causal_choices(record: Record, by_hand: Mapping[str, float]) -> tuple[Choice, Choice]:
     """Both models for causal estimates, by all samples of a recording; by_hand: orders that are known."""
-    rows = settled(record.table())
-    inputs = chosen_inputs(record, [rows], by_hand)
+    inputs = causal_inputs(record, by_hand)
     of_second = {name: value for name, value in by_hand.items() if name == "order_a"}
-    return inputs, _second(record, [rows], inputs, How(), of_second)
+    return inputs, _second(record, [settled(record.table())], inputs, How(), of_second)
 
 
 def estimated(
@@ -95,15 +99,29 @@ def estimated(
     return ACTIVATIONS, _collected(told, _of_activations, keep_every, len(record), after)
 
 
-def _second(record: Record, tables: Sequence[Array], inputs: Choice, how: How, by_hand: Mapping[str, float]) -> Choice:
-    return chosen_activations(record, [_linear(record, rows, inputs, how) for rows in tables], inputs, by_hand)
+def _second(
+    record: Record,
+    tables: Sequence[Array],
+    inputs: Choice,
+    how: How,
+    by_hand: Mapping[str, float],
+    progress: Progress = unseen,
+) -> Choice:
+    linear = [_linear(record, rows, inputs, how) for rows in tables]
+    return chosen_activations(record, linear, inputs, by_hand, progress)
 
 
-def innovations(record: Record, inputs: Choice) -> Array:
-    """The innovations of the first pass over their standard deviations (n × 3), of the samples that count."""
-    passes, numbers, rows = compiled(INPUTS_MODEL), inputs.fit.numbers, settled(record.table())
-    filtered = passes.filtered(numbers, passes.start(numbers, rows[0]), rows, passes.motions(numbers, rows))
-    ratios: Array = (filtered.nu / np.sqrt(filtered.S))[rows[:, -1] > 0]
+def estimates_of_inputs(record: Record, inputs: Choice) -> Array:
+    """The causal estimates (n × ESTIMATES) of the first pass."""
+    return _whole(record, inputs, record.table(), How())
+
+
+def innovations(record: Record, numbers: Mapping[str, float]) -> Array:
+    """The innovations of the first pass over their standard deviations (n × 3); NaN where a sample does not count."""
+    rows = settled(record.table())
+    pieces = _filtered(compiled(INPUTS_MODEL), {**record.numbers, **numbers}, rows)
+    ratios: Array = np.concatenate([filtered.nu / np.sqrt(filtered.S) for _, _, filtered in pieces])
+    ratios[rows[:, -1] == 0] = np.nan
     return ratios
 
 
@@ -116,23 +134,33 @@ def compile_passes(curves: Curves) -> None:
 
 def over(passes: CompiledPasses, numbers: Mapping[str, float], rows: Array, how: How, ahead: int) -> Iterator[Array]:
     """What is told of the samples, piece by piece; a smoother looks `ahead` so many samples beyond a piece."""
-    carry = passes.start(numbers, rows[0])
     beyond = ahead if how.lag is None else how.lag
-    for start in range(0, len(rows), _PIECE):
-        piece, after = rows[start : start + _PIECE], rows[start + _PIECE : start + _PIECE + beyond]
-        motions = passes.motions(numbers, piece, rows[max(start - 1, 0)])
-        filtered = passes.filtered(numbers, carry, piece, motions)
-        carry = filtered.carry
+    for start, motions, filtered in _filtered(passes, numbers, rows):
         if how.causal:
             # a copy: as a part of all results it would keep them
             yield filtered.told.copy()
             continue
+        length = len(motions)
+        after = rows[start + length : start + length + beyond]
         if len(after):
-            moved = passes.motions(numbers, after, piece[-1])
-            filtered = filtered.followed_by(passes.filtered(numbers, carry, after, moved))
+            moved = passes.motions(numbers, after, rows[start + length - 1])
+            filtered = filtered.followed_by(passes.filtered(numbers, filtered.carry, after, moved))
             motions = np.concatenate([motions, moved])
         seen = rows[start : start + len(motions)]
-        yield passes.smoothed(numbers, seen, motions, filtered, how.lag or 0).told[: len(piece)].copy()
+        yield passes.smoothed(numbers, seen, motions, filtered, how.lag or 0).told[:length].copy()
+
+
+def _filtered(
+    passes: CompiledPasses, numbers: Mapping[str, float], rows: Array
+) -> Iterator[tuple[int, Array, Filtered]]:
+    """Where a piece of the samples begins, the motions in it, and the filter over it."""
+    carry = passes.start(numbers, rows[0])
+    for start in range(0, len(rows), _PIECE):
+        piece = rows[start : start + _PIECE]
+        motions = passes.motions(numbers, piece, rows[max(start - 1, 0)])
+        filtered = passes.filtered(numbers, carry, piece, motions)
+        carry = filtered.carry
+        yield start, motions, filtered
 
 
 def _form(how: How, inputs: Choice, activations: Choice) -> str:

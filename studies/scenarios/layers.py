@@ -9,6 +9,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
+from typing import Any
 
 from ..files.errors import ScenarioError, TomlError
 from ..files.quote import short, shown, table, text
@@ -20,6 +21,8 @@ _ORDER = ("paper-clean", "paper-noisy", "challenge", "slack", "slack-deep", "act
 # the key of a file that names the shipped scenario below it
 _BASE = "base"
 _DEEPEST = 8
+# of a file of numbers
+SUFFIX = ".toml"
 
 Value = float | str | bool
 
@@ -57,7 +60,7 @@ def layers(source: str | Path, changes: Mapping[str, Value]) -> tuple[str, list[
     if name in shipped():
         return name, [_shipped_layer(name), top]
     path = Path(name)
-    if path.suffix != ".toml":
+    if path.suffix != SUFFIX:
         raise ScenarioError(f"unknown scenario {shown(name)}; there are {', '.join(shipped())}, or name a .toml file")
     try:
         content = read_toml(path)
@@ -68,6 +71,17 @@ def layers(source: str | Path, changes: Mapping[str, Value]) -> tuple[str, list[
         raise ScenarioError(f"{path}: {_BASE} must be one of {', '.join(shipped())}, not {shown(base)}")
     below = [] if base is None else [_shipped_layer(base)]
     return text(f"{path}: its name", path.stem), [*below, layer(name, content), top]
+
+
+def changes_of(path: str) -> dict[str, Any]:
+    """Path → value of a .toml file that is no scenario of its own. ScenarioError if it cannot be read, or is one."""
+    try:
+        content = read_toml(Path(path))
+    except TomlError as error:
+        raise ScenarioError(str(error)) from error
+    if _BASE in content:
+        raise ScenarioError(f"{path}: it has a {_BASE}, so it is a scenario to be run, not numbers to be set")
+    return dict(layer(path, content).leaves)
 
 
 def layer(origin: str, content: Mapping[str, object]) -> Layer:

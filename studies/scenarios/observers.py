@@ -7,7 +7,7 @@ from collections.abc import Container, Iterable, Mapping, Sequence
 
 from ...model.block import Block
 from ...model.curves import NGUYEN2019
-from ...model.pair import DRIVES
+from ...model.plant import DRIVES
 from ...observers import OBSERVERS, PAPER, Observer
 from ..files.errors import ScenarioError
 from ..files.quote import shown
@@ -22,7 +22,10 @@ _OWN = "one of your own is given as its Block, on a command line as FILE.py:NAME
 def observers_named(given: Observers) -> dict[str, Observer]:
     """The observers that are given, by name. ScenarioError for one that is not registered, and for a name of two."""
     chosen: dict[str, Observer] = {}
-    for observer in [given] if isinstance(given, str | Block) else given or PAPER:
+    named = PAPER if given is None else [given] if isinstance(given, str | Block) else given
+    if not isinstance(named, Iterable) or not (named := list(named)):
+        raise ScenarioError(f"observers must be one or more, not {shown(given)}; left out they are {', '.join(PAPER)}")
+    for observer in named:
         if isinstance(observer, Block):
             mine = own_observer(observer)
             if chosen.setdefault(observer.name, mine) is not mine:
@@ -40,7 +43,7 @@ def observers_named(given: Observers) -> dict[str, Observer]:
 @functools.lru_cache(maxsize=64)
 def own_observer(block: Block) -> Observer:
     """A user's Block, of which no theorem, gain rule or rates are known."""
-    return Observer(block.name, lambda: block)
+    return Observer(block.name, whole=lambda: block)
 
 
 def own_among(chosen: Mapping[str, Observer]) -> dict[str, Observer]:

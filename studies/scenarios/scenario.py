@@ -7,13 +7,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from ...model.curves import CURVES, SIMULATED, Curves
-from ...model.pair import DRIVES
+from ...model.plant import DRIVES
 from ...model.symbols import MUSCLES
 from ..files.errors import ScenarioError
 from ..files.numbers import parse_number, within
 from ..files.numbers import seed as checked_seed
 from ..files.quote import shown, text
-from .layers import Layer, Value
+from .layers import SUFFIX, Layer, Value, changes_of
 from .paths import Paths
 
 _WHOLE = re.compile(r"[+-]?\d{1,20}", re.ASCII)
@@ -90,6 +90,11 @@ def scenario(name: str, layers: Sequence[Layer], paths: Paths) -> Scenario:
             given |= paths.spread(numbers)
     changes = {path: value for layer in layers if not layer.origin for path, value in layer.leaves.items()}
     return Scenario(name, description, seed, choices(layers), given, changes)
+
+
+def typed_changes(typed: str) -> dict[str, Value]:
+    """`PATH=VALUE` as typed on a command line, or the name of a .toml file with such numbers: path → value."""
+    return changes_of(typed) if typed.endswith(SUFFIX) and "=" not in typed else dict([parse_change(typed)])
 
 
 def parse_change(typed: str) -> tuple[str, Value]:

@@ -1,4 +1,4 @@
-"""What looks wrong in a recording before any likelihood is asked: units, a sensor that stands still, limits."""
+"""What looks wrong in a recording before any likelihood is asked: units, sensors that are dead, limits."""
 
 from __future__ import annotations
 
@@ -7,39 +7,45 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from ...model.arrays import Array
-from ...model.skeleton import lengths
+from ...model.skeleton.load import lengths
 from ..estimate.case import Case
-from .finding import Finding
+from .finding import Finding, plain
+from .hanging import hanging
 
+# subjects of what no muscle measures
+UNMEASURED = ("force", "position", "fibre")
 # forces below this part of F_max are no forces of a muscle that works, or not in newtons
 _LEAST_FORCE = 0.005
 # optimal fibre lengths that a fibre can have, and the share of samples that may lie beyond
 _SHORTEST, _LONGEST, _SHARE = 0.3, 1.9, 0.05
-# a position that moves less than so many of its standard deviations stands still
-_STILL = 6.0
+# a signal whose standard deviation is below so many of that of its noise stands still
+_STILL = 2.0
 # share of samples whose activation may be at a limit
 _LIMITED = 0.1
 # the rest of the acceleration, over that which the forces explain
 _UNEXPLAINED = 3.0
-# innovations over their standard deviations: mean square, and correlation from sample to sample
-_SIZE, _COLOUR = (0.7, 1.4), 0.25
-# noise below this, in F₀, is that of digits
-_NO_NOISE = 1e-6
 
 
 def of_measurements(case: Case) -> Iterator[Finding]:
-    """Of positions and forces as they are."""
+    """Of positions and forces as they are: what no muscle measures."""
+    sizes = case.sizes.pair
+    sigmas = sizes.sigma_1, sizes.sigma_F1, sizes.sigma_F2
+    if _stands_still(case.y[:, 0], sigmas[0]):
+        yield _still("position", "a broken sensor?", case.y[:, 0])
     for j, muscle in enumerate((case.pair.muscle1, case.pair.muscle2), start=1):
-        largest = float(np.max(case.y[:, j])) * case.scales.force / muscle.F_max
-        if largest < _LEAST_FORCE:
+        force = case.y[:, j]
+        largest = float(np.max(force)) * case.scales.force / muscle.F_max
+        if not force.any():
+            yield Finding("force", f"force_{j} is 0 throughout: a dead sensor, or a muscle that is slack", 0.0, True)
+        elif largest < _LEAST_FORCE:
             yield Finding(
                 "force",
                 f"force_{j} is never above {largest:.2g} F_max of its muscle: it may be in kN, or F_max is another",
                 largest,
                 True,
             )
-    if (moved := float(np.ptp(case.y[:, 0]))) <= _STILL * case.sizes.sigma_1:
-        yield Finding("position", "the position stands still within its noise: a broken sensor?", moved, True)
+        elif _stands_still(force, sigmas[j]):
+            yield _still(f"force_{j}", "a dead sensor or amplifier?", force)
     L_m = np.stack(lengths(case.y[:, 0], case.scales.numbers["plant.C"]), axis=1)
     for j, muscle in enumerate((case.pair.muscle1, case.pair.muscle2), start=1):
         fibre = (L_m[:, j - 1] - case.z[:, j - 1]) * case.scales.length / muscle.optimal_fibre_length
@@ -54,15 +60,32 @@ def of_measurements(case: Case) -> Iterator[Finding]:
             )
 
 
-def of_estimates(case: Case, acc: Array, Delta: Array, limited: Sequence[float]) -> Iterator[Finding]:
-    """Of what a filter makes of them: acc, what the forces do to the mass (n); Delta, the rest (n)."""
-    explained, rest = float(np.std(acc)), float(np.std(Delta))
-    if rest > _UNEXPLAINED * explained:
+def of_sensors(case: Case) -> Iterator[Finding]:
+    """Of sensors that do not measure all the time."""
+    for i, name in enumerate(case.recording.measured):
+        if when := hanging(case.recording.time, case.y[:, i], case.period):
+            start, end = when
+            yield Finding(
+                "sensor",
+                f"{name} is the same number from {start:.4g} to {end:.4g} s, without its noise: a sensor that hangs, "
+                "or is at the end of its range",
+                end - start,
+                True,
+                when,
+            )
+
+
+def of_estimates(pull: Array, rest: Array, limited: Sequence[float]) -> Iterator[Finding]:
+    """Of what a filter makes of them: both forces together (n), the external force (n), N; which share is limited."""
+    explained, unexplained = float(np.std(pull)), float(np.std(rest))
+    # forces that stand still explain nothing, whatever the mass
+    if explained and unexplained > _UNEXPLAINED * explained:
+        ratio = unexplained / explained
         yield Finding(
             "acceleration",
-            f"the mass accelerates {rest / explained:.2g} times as much as the forces explain: it may be smaller, or "
-            "the forces may be in kN",
-            rest / explained,
+            f"the mass accelerates {plain(ratio)} times as much as the forces explain: it may be smaller, or the "
+            "forces may be in kN",
+            ratio,
             True,
         )
     for j, share in enumerate(limited, start=1):
@@ -76,15 +99,9 @@ def of_estimates(case: Case, acc: Array, Delta: Array, limited: Sequence[float])
             )
 
 
-def of_innovations(ratios: Array, noise: float) -> Finding:
-    """ratios: innovations over their standard deviations (n × 3); noise: that of the forces, in F₀."""
-    if noise < _NO_NOISE:
-        return Finding("innovations", "there is no noise to speak of, so innovations tell nothing", noise)
-    size = np.mean(ratios**2, axis=0)
-    colour = np.array([np.corrcoef(r[1:], r[:-1])[0, 1] if r.std() else 1.0 for r in ratios.T])
-    wrong = bool((size < _SIZE[0]).any() or (size > _SIZE[1]).any() or (np.abs(colour) > _COLOUR).any())
-    sentence = (
-        f"innovations over their standard deviations: mean square {', '.join(f'{s:.2f}' for s in size)} (1 is right), "
-        f"correlation from sample to sample {', '.join(f'{c:.2f}' for c in colour)} (0 is right)"
-    )
-    return Finding("innovations", sentence, float(np.max(np.abs(size - 1))), wrong)
+def _stands_still(signal: Array, sigma: float) -> bool:
+    return float(np.std(signal)) <= _STILL * sigma or not np.ptp(signal)
+
+
+def _still(name: str, why: str, signal: Array) -> Finding:
+    return Finding(name.partition("_")[0], f"{name} stands still within its noise: {why}", float(np.ptp(signal)), True)

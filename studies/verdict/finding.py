@@ -2,14 +2,37 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+
+# a number from here on has no decimals
+_WHOLE = 10.0
+
+
+@dataclass(frozen=True)
+class Suspect:
+    """A number of the muscles that may be wrong: `factor` times it, if it is one, is likelier by so much in log L."""
+
+    number: str
+    factor: float | None
+    log_likelihood: float
 
 
 @dataclass(frozen=True)
 class Finding:
-    """What was looked at, what was found, a number to it, and whether that makes recording or muscles doubtful."""
+    """What was looked at, what was found, a number to it, and whether that makes recording or muscles doubtful.
+
+    when: s from and to, of what is not so all the time.
+    """
 
     subject: str
     sentence: str
     value: float
     doubtful: bool = False
+    when: tuple[float, float] | None = None
+    suspects: Sequence[Suspect] = ()
+
+
+def plain(value: float) -> str:
+    """Two digits, and no power of ten of what is large."""
+    return f"{value:,.0f}" if value >= _WHOLE else f"{value:.2g}"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,7 +12,7 @@ from ..estimate.run import recorded
 from ..files.errors import RecordingError, ScenarioError
 from ..kalman.orders import Choice
 from ..kalman.record import Record, settled
-from ..kalman.run import causal_choices
+from ..kalman.run import causal_choices, causal_inputs
 from ..laboratory.muscles import MusclePair
 from ..laboratory.scales import scales
 from .variants import Variant
@@ -39,7 +39,7 @@ def weight(record: Record, choices: tuple[Choice, Choice], pair: MusclePair) -> 
 
 
 def gains(
-    base: Weight, orders: Mapping[str, float], tried: Iterator[Variant]
+    base: Weight, orders: Mapping[str, float], tried: Iterable[Variant]
 ) -> Iterator[tuple[Variant, float | None]]:
     """Each variant and how much likelier the recording is with it; None where it can be nothing at all."""
     for variant in tried:
@@ -48,8 +48,12 @@ def gains(
         except (RecordingError, ScenarioError):
             yield variant, None
             continue
-        found = weight(record, causal_choices(record, orders), variant.pair)
-        yield variant, (found.inputs - base.inputs) if variant.mechanical else (found.activations - base.activations)
+        if variant.mechanical:
+            # the muscles' law has no part in it
+            found = causal_inputs(record, orders).fit.log_likelihood + _in_si(record, variant.pair)
+            yield variant, found - base.inputs
+        else:
+            yield variant, weight(record, causal_choices(record, orders), variant.pair).activations - base.activations
 
 
 def _in_si(record: Record, pair: MusclePair) -> float:

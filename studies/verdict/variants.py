@@ -19,6 +19,7 @@ class Variant:
     pair: MusclePair
     mechanical: bool = False
     caution: float = 1.0  # times what another one must gain
+    factor: float | None = None  # of the number `name`
 
 
 # number of a muscle → the factors that are tried, and what it is called
@@ -29,6 +30,7 @@ _FACTORS = {
     "v_max": ((0.2, 0.5, 2.0, 5.0), "v_max"),
 }
 _MASSES = (0.1, 0.5, 2.0, 10.0)
+_OTHERS = {"mass": "mass", "swapped": "which muscle is which", "mirrored": "from which wall position is measured"}
 # from here on a factor is no percentage; a muscle so far from the file's must gain more to be named
 _TIMES, _CAUTION = 1.5, 2.0
 
@@ -39,11 +41,22 @@ def variants(recording: Recording, pair: MusclePair) -> Iterator[Variant]:
         for factor in factors:
             first, second = (_scaled(muscle, name, factor) for muscle in (pair.muscle1, pair.muscle2))
             other, caution = replace(pair, muscle1=first, muscle2=second), 1.0 if _is_close(factor) else _CAUTION
-            yield Variant(name, f"{called} {_by(factor)}", recording, other, False, caution)
+            yield Variant(name, f"{called} {_by(factor)}", recording, other, False, caution, factor)
     for factor in _MASSES:
-        yield Variant("mass", f"a mass {_by(factor)}", recording, replace(pair, mass=pair.mass * factor), True)
-    swapped = replace(recording, force_1=recording.force_2, force_2=recording.force_1)
-    yield Variant("swapped", "the muscles swapped", swapped, pair, True)
+        heavier = replace(pair, mass=pair.mass * factor)
+        yield Variant("mass", f"a mass {_by(factor)}", recording, heavier, mechanical=True, factor=factor)
+    swapped = recording.remeasured(force_1=recording["force_2"], force_2=recording["force_1"])
+    yield Variant("swapped", "the muscles swapped", swapped, pair, mechanical=True)
+    # of muscles that are alike that is the same
+    mirrored = recording.remeasured(position=pair.C - recording["position"])
+    yield Variant(
+        "mirrored", "the position measured from the other wall, C − position", mirrored, pair, mechanical=True
+    )
+
+
+def called(name: str) -> str:
+    """What is tried, as a sentence calls it."""
+    return _FACTORS[name][1] if name in _FACTORS else _OTHERS[name]
 
 
 def _scaled(muscle: Muscle, name: str, factor: float) -> Muscle:

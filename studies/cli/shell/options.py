@@ -11,11 +11,11 @@ from click.shell_completion import CompletionItem
 from ....observers import OBSERVERS
 from ...estimate.bands.doubt import parse_doubt
 from ...files.errors import ScenarioError
-from ...files.numbers import parse_number, typed_whole
+from ...files.numbers import NUMBER, number, typed_whole
 from ...files.quote import shown
 from ...scenarios.layers import Value, shipped
 from ...scenarios.loops import all_paths
-from ...scenarios.scenario import VALID_CHOICES, parse_change
+from ...scenarios.scenario import VALID_CHOICES, typed_changes
 from ...sweep.axes import Values, parse_axis
 
 Decorator = Callable[[Any], Any]
@@ -69,12 +69,12 @@ def mapping_option() -> Decorator:
 
 
 def set_option(sentence: str) -> Decorator:
-    """`--set PATH=VALUE`, which may be repeated: a dict; of a path given twice the last counts."""
+    """`--set PATH=VALUE` or a file of such, which may be repeated: a dict; of a path given twice the last counts."""
     return click.option(
         "--set",
         "changes",
         multiple=True,
-        metavar="PATH=VALUE",
+        metavar="PATH=VALUE|FILE.toml",
         callback=_changes,
         shell_complete=_complete_paths,
         help=sentence,
@@ -94,7 +94,7 @@ def over_option() -> Decorator:
 
 
 def doubt_option() -> Decorator:
-    """`--doubt NAME=SD`, which may be repeated: a dict; of a name given twice the last counts."""
+    """`--doubt NAME=SD`, which may be repeated, but not of one number: a dict."""
     return click.option(
         "--doubt",
         multiple=True,
@@ -123,7 +123,9 @@ def seconds_option(name: str, sentence: str) -> Decorator:
         digits, factor = next(
             (typed.removesuffix(unit), factor) for unit, factor in _SECONDS.items() if typed.endswith(unit)
         )
-        seconds = parse_number(name, digits) * factor
+        if not NUMBER.fullmatch(digits):
+            raise ScenarioError(f"{name} must be a time in ms or s, such as 20ms or 0.02s, not {shown(typed)}")
+        seconds = number(name, float(digits)) * factor
         if seconds < 0:
             raise ScenarioError(f"{name} must be 0 or more, not {shown(typed)}")
         return seconds
@@ -132,11 +134,14 @@ def seconds_option(name: str, sentence: str) -> Decorator:
 
 
 def _changes(ctx: click.Context, param: click.Parameter, typed: tuple[str, ...]) -> dict[str, Value]:
-    return dict(parse_change(text) for text in typed)
+    return {path: value for text in typed for path, value in typed_changes(text).items()}
 
 
 def _doubts(ctx: click.Context, param: click.Parameter, typed: tuple[str, ...]) -> dict[str, float | str]:
-    return dict(parse_doubt(text) for text in typed)
+    doubts = dict(parse_doubt(text) for text in typed)
+    if len(doubts) < len(typed):
+        raise ScenarioError("a number is given to --doubt twice")
+    return doubts
 
 
 def _axes(ctx: click.Context, param: click.Parameter, typed: tuple[str, ...]) -> dict[str, Values]:

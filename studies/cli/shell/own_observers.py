@@ -14,6 +14,7 @@ from ....model.block import Block
 from ...files.errors import ScenarioError
 from ...files.quote import short, shown
 from ...files.reading import cause, read_whole
+from .stopping import Stopped
 
 # a larger file is no program of a person
 _LARGEST = 10_000_000
@@ -94,7 +95,9 @@ def _told(path: Path) -> Iterator[None]:
     """What a user's code raises, as a ScenarioError with the last line of the file that led there."""
     try:
         yield
-    except (Exception, SystemExit) as error:
+    except Stopped:  # a signal is ours; all else is the file's, a KeyboardInterrupt too
+        raise
+    except BaseException as error:
         lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(path)]
         if isinstance(error, SyntaxError) and error.filename == str(path):
             lines.append(error.lineno)

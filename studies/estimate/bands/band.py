@@ -40,6 +40,8 @@ def deviations(case: Case, results: Mapping[str, Result]) -> dict[str, Variable]
     without it the whole is not known: both are NaN, or left out if no observer tells it.
     """
     found: dict[str, Variable] = {}
+    if case.subject.pair is None:
+        return found
     states, muscles, taut_tendons = _states(case, list(results.values())), muscle_parts(case, results), _taut(case)
     for name, (unit, words) in _ESTIMATES.items():
         parts = {part: of[name] for part, of in (("_state", states), ("_muscle", muscles)) if name in of}
@@ -68,7 +70,7 @@ def _states(case: Case, results: Sequence[Result]) -> dict[str, Array]:
     return {
         "position": s.metres(stacked("x1")[..., 0]),
         "velocity": s.velocity(stacked("x2")[..., 0]),
-        "disturbance": s.disturbance(stacked("Delta")[..., 0]),
+        "disturbance": case.subject.disturbance(0 * stacked("x1"), stacked("Delta"))[..., 0],
         "tendon_length": s.metres(stacked(*STATES[2:])),
         "fibre_length": s.metres(stacked(*FIBRES)),
         "fibre_velocity": s.velocity(stacked("u1", "u2")),
@@ -78,5 +80,5 @@ def _states(case: Case, results: Sequence[Result]) -> dict[str, Array]:
 
 def _taut(case: Case) -> NDArray[np.bool_]:
     """Where the length of each tendon can be known (time × muscle)."""
-    sigmas = case.sizes.sigma_F1, case.sizes.sigma_F2
+    sigmas = [muscle.sigma_F for muscle in case.sizes.muscles.values()]
     return np.stack([taut(case.y[:, j], sigma) for j, sigma in enumerate(sigmas, start=1)], axis=1)[case.kept]

@@ -35,6 +35,10 @@ USUAL: Parameters = {
     )
 }
 
+# of curves no number has a unit
+_UNITS = {**{key: parameter.unit for key, parameter in {**SIZES, **PAIR}.items()}, FORCE_BIAS: _FORCE}
+_UNITS[POSITION_BIAS] = _POSITION
+
 
 def doubts(pair: MusclePair, given: Mapping[str, float | str], usual: bool) -> dict[str, float]:
     """Path such as muscle1.F_max → standard deviation in SI.
@@ -59,6 +63,19 @@ def doubts(pair: MusclePair, given: Mapping[str, float | str], usual: bool) -> d
             raise ScenarioError(f"unknown number {shown(name)} in doubt; the nearest are {', '.join(near)}")
         found |= {path: deviation(path, sd, *known[path]) for path in paths}
     return {path: found[path] for path in known if found.get(path)}
+
+
+def stated(doubt: Mapping[str, float]) -> dict[str, str]:
+    """Number → its standard deviation with its unit; of both muscles together where theirs are the same.
+
+    doubt: as `doubts` returns it.
+    """
+    found: dict[str, str] = {}
+    for path, sd in doubt.items():
+        name = path.rpartition(".")[2]
+        alike = [doubt.get(f"{muscle}.{name}") == sd for muscle in MUSCLES]
+        found[name if all(alike) else path] = f"{sd:.3g} {_UNITS.get(name, '')}".rstrip()
+    return found
 
 
 def parse_doubt(typed: str) -> tuple[str, float | str]:

@@ -13,7 +13,7 @@ from ....codegen.shared_library import Library, compile_functions
 from ....codegen.toolchain import SINGLE
 from ....model.arrays import Array
 from ....model.curves import Curves, CurveSet, by_muscle
-from ....model.skeleton import lengths, pull
+from ....model.skeleton.load import lengths, pull
 from ....model.symbols import MUSCLES, hat
 from ....observers.behind.activation import LIMITS
 from ....observers.behind.sensitivity import FORCE_BIAS, LENGTH_BIAS, MUSCLE_ESTIMATES, numbers, sensitivities
@@ -61,9 +61,10 @@ _FORCE_BIASES = [f"{name}.{FORCE_BIAS}" for name in MUSCLES]
 
 def _of_the_disturbance(case: Case, results: Mapping[str, Result]) -> Array:
     s, shares = case.scales, [case.doubt.get(path, 0.0) for path in _FORCE_BIASES]
-    force = s.disturbance(np.stack([result.y[hat("Delta")] for result in results.values()]))
+    q, Delta = (np.stack([result.y[hat(name)] for result in results.values()])[..., None] for name in ("x1", "Delta"))
+    force = case.subject.disturbance(q, Delta)[..., 0]
     # mass q̈ = R F + disturbance:  S of a force is ±1, that of the mass q̈
-    acceleration = (force + pull(case.y[case.kept, 1:].T * s.force)) / s.mass
+    acceleration = (force + pull(case.y[case.kept, 1:].T * s.force)) / case.pair.mass
     part: Array = np.hypot(math.hypot(*shares), acceleration * case.doubt.get("mass", 0.0))
     return part
 

@@ -9,6 +9,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ....model.arrays import Array
 
@@ -18,6 +19,8 @@ _ORDER = 5
 _LONGEST, _PART = 0.15, 4
 # white noise gives the same at each lag, a smooth signal 2⁵ times as much at the double lag
 _LEVEL = 1.5
+# parts of the usual step by which one may differ; differences over even steps alone from which statistics are made
+_JITTER, _ENOUGH = 0.05, 200
 # standard deviation over median of the absolute value, of a normal distribution
 _NORMAL = 1.4826
 # part of neighbours that are equal if a signal was rounded; steps below this part of its size are none
@@ -39,17 +42,25 @@ class Noise:
         return math.comb(2 * order, order) * self.sigma**2
 
 
-def noise(signal: Array, T: float) -> Noise:
-    """The noise of equidistant samples, T apart.
+def even_steps(time: Array, T: float) -> NDArray[np.bool_]:
+    """Which steps from sample to sample (n − 1) are as long as usual, T."""
+    return np.abs(np.diff(time) - T) <= _JITTER * T
+
+
+def noise(signal: Array, T: float, even: NDArray[np.bool_] | None = None) -> Noise:
+    """The noise of equidistant samples, T apart; of others by those parts that are, if there are enough of them.
+
+    even: which steps from sample to sample are T, all by default.
 
     A hardware filter makes noise smooth from sample to sample; then the estimate grows with the lag, until that is
     longer than the noise is correlated. Without noise it never stops growing, and lag 1 counts.
     """
     floor = _quantum(signal) / math.sqrt(12)
-    first = before = _spread(signal, 1)
+    uneven = None if even is None or even.all() else np.concatenate([[0], np.cumsum(~even)])
+    first = before = _spread(signal, 1, uneven)
     lag = 1
     while 2 * lag * T <= _LONGEST and 2 * lag * _ORDER < len(signal) // _PART:
-        after = _spread(signal, 2 * lag)
+        after = _spread(signal, 2 * lag, uneven)
         if after < _LEVEL * before:
             return Noise(max(floor, first if lag == 1 else max(before, after)), lag)
         lag, before = 2 * lag, after
@@ -75,9 +86,13 @@ def differences(signal: Array, order: int, lag: int) -> Array:
     return signal
 
 
-def _spread(signal: Array, lag: int) -> float:
-    """σ = 1.4826 MAD(Δ⁵)/√252."""
+def _spread(signal: Array, lag: int, uneven: NDArray[np.int64] | None) -> float:
+    """σ = 1.4826 MAD(Δ⁵)/√252; uneven: how many steps before each sample are not as long as usual."""
     change = differences(signal, _ORDER, lag)
+    if uneven is not None:
+        whole = uneven[_ORDER * lag :] == uneven[: -_ORDER * lag]
+        # where steps differ a difference has something of the signal left
+        change = change[whole] if whole.sum() >= _ENOUGH else change
     middle = float(np.median(np.abs(change - np.median(change))))
     return _NORMAL * middle / math.sqrt(math.comb(2 * _ORDER, _ORDER))
 

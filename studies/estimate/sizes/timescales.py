@@ -16,18 +16,20 @@ _PER_OCTAVE, _LONGEST, _PART = 6, 3.0, 4
 _FEW = 8
 # noise averaged over n samples is compared as if averaged over n/8: then one constant fits all sampling rates
 _AVERAGED = 8.0
+# times as many samples as there are: more would be nearly all made up
+_MOST = 2
 # what stands for no noise at all, and for no signal at all beside the noise
 _NO_NOISE, _NO_SIGNAL = 1e-30, 1e-3
 
 
-def time_scale(signal: Array, order: int, noise: Noise, T: float) -> float:
+def time_scale(signal: Array, order: int, noise: Noise, T: float, density: float = 0.0) -> float:
     """The lag, in τ, from which the differences of this order stand out of the averaged noise for an octave.
 
-    The longest lag if they never do.
+    The longest lag if they never do. density: of white noise that was integrated twice into the signal, order 3.
     """
     n, S = structure(signal, order, T)
-    # (S_k(n) − C(2k, k)σ²) / (C(2k, k)σ² · 8n_c/n)
-    alone = noise.difference(order)
+    # (S_k(n) − C(2k, k)σ²) / (C(2k, k)σ² · 8n_c/n); the third difference of ∬w at the lag h has the variance q h³
+    alone = noise.difference(order) + density * (n * T) ** 3
     ratio = (S - alone) / np.maximum(alone * _AVERAGED * noise.correlation / n, _NO_NOISE)
     above = ratio > 1
     i = next((i for i in range(len(n)) if above[i : i + _PER_OCTAVE].all()), len(n) - 1)
@@ -44,6 +46,15 @@ def structure(signal: Array, order: int, T: float) -> tuple[Array, Array]:
     n = np.unique(np.round(2 ** np.arange(0, octaves, 1 / _PER_OCTAVE)))
     n = n[(n * order <= max(len(signal) // _PART, order)) & (n <= max(_LONGEST / T, _FEW))]
     return n, np.array([np.mean(differences(signal, order, int(lag)) ** 2) for lag in n])
+
+
+def filled(signals: Array, tau: Array, T: float) -> Array:
+    """Signals (k × n) with straight lines where samples T apart are missing; as they are if most are missing."""
+    places = np.concatenate([[0.0], np.cumsum(np.maximum(np.round(np.diff(tau) / T), 1.0))])
+    if places[-1] == len(tau) - 1 or places[-1] > _MOST * len(tau):
+        return signals
+    n: Array = np.arange(places[-1] + 1)
+    return np.array([np.interp(n, places, signal) for signal in signals])
 
 
 def twice_integrated(acc: Array, T: float) -> Array:

@@ -11,6 +11,7 @@ import pytest
 import hillobs
 from command_line import CHANGED, SHORT
 from hillobs.model.curves import DEGROOTE_FREGLY2016
+from hillobs.model.system import pair_system
 from hillobs.observers import OBSERVERS
 from hillobs.studies.cli.shell.own_observers import loaded
 from hillobs.studies.estimate.follow import fitted_blocks, follower_bank
@@ -141,6 +142,8 @@ def test_an_own_observer_runs_in_every_study_and_only_when_it_is_named(own: Comm
         ("absent.py:x", "absent.py, line 1: ModuleNotFoundError: No module named 'nothing_like_it'"),
         ("raises.py:x", r"raises.py, line 1: ValueError: two\nlines \x1b[31m"),
         ("exits.py:x", "exits.py, line 1: SystemExit: 0"),
+        ("interrupts.py:x", "interrupts.py, line 2: KeyboardInterrupt"),
+        ("base.py:x", "base.py, line 1: GeneratorExit: no"),
         ("deep.py:x", "deep.py, line 1: RecursionError: maximum recursion depth exceeded"),
         ("bytes.py:x", "bytes.py, line 1: SyntaxError: (unicode error) 'utf-8' codec can't decode byte 0xff"),
     ],
@@ -152,6 +155,8 @@ def test_a_file_without_such_a_block_is_a_sentence(given: str, sentence: str, ow
         "absent.py": b"import nothing_like_it\n",
         "raises.py": b'raise ValueError("two\\nlines \\x1b[31m")\n',
         "exits.py": b"raise SystemExit(0)\n",
+        "interrupts.py": b"import time\nraise KeyboardInterrupt\n",
+        "base.py": b"raise GeneratorExit('no')\n",
         "deep.py": b"def f(): f()\nf()\n",
         "bytes.py": b"x = '\xff'\n",
     }.items():
@@ -190,7 +195,7 @@ def test_what_only_some_studies_can_do_is_a_sentence(own: Command) -> None:
 @pytest.mark.parametrize("corrected", [False, True])
 def test_scenarios_and_recordings_have_the_same_observers_with_the_same_option(corrected: bool) -> None:
     prepared = prepare("paper-noisy", list(OBSERVERS), {}, corrected=corrected)
-    of_recordings = (DEGROOTE_FREGLY2016, corrected, tuple(OBSERVERS.values()))
+    of_recordings = (pair_system(DEGROOTE_FREGLY2016), corrected, tuple(OBSERVERS.values()))
     blocks = prepared.loop.observers, [*follower_bank(*of_recordings).observers, *fitted_blocks(*of_recordings)]
     simulated, followed = ({b.name: list(b.x) for b in observers} for observers in blocks)
     assert {name: simulated[name] for name in OBSERVERS} == {name: followed[name] for name in OBSERVERS}

@@ -11,6 +11,7 @@ from scipy.stats import norm, qmc
 
 from hillobs.model.curves import CURVES
 from hillobs.studies.cli.reports.estimates.estimate import notes
+from hillobs.studies.cli.reports.estimates.estimate_page import estimate_page
 from hillobs.studies.estimate.bands.doubt import USUAL
 from hillobs.studies.estimate.run import estimate
 from hillobs.studies.estimate.scores import SETTLED, WITHIN_95
@@ -111,9 +112,7 @@ def test_an_offset_of_a_sensor_moves_the_estimates_by_its_band(
     doubt: str, column: str, offset: float, unlike: tuple[Path, Path]
 ) -> None:
     recording, pair = read_recording(unlike[0]), read_muscles(unlike[1])
-    wrong = [
-        dataclasses.replace(recording, **{column: getattr(recording, column) + sign * offset / 2}) for sign in (-1, 1)
-    ]
+    wrong = [recording.remeasured(**{column: recording[column] + sign * offset / 2}) for sign in (-1, 1)]
     before, after = (settled(estimate(one, pair, LINEAR, usual_doubt=False), "_hat") for one in wrong)
     found = band(recording, pair, {doubt: offset})
     assert {"position_bias": "position_sd_muscle"}.get(doubt, "disturbance_sd_muscle") in found
@@ -182,12 +181,41 @@ def test_the_band_is_the_part_of_noise_and_that_of_the_numbers(noisy: xr.Dataset
 
 def test_a_sentence_tells_what_the_numbers_may_do_to_the_activations(noisy: xr.Dataset, short: Recording) -> None:
     (told,) = (sentence for sentence in notes(noisy) if "95 %" in sentence)
-    assert told.startswith("activations may be off by 0.16 (95 %) since the muscles' numbers are known only so well")
+    # that of the observer whose noise is known too, whichever comes first
+    assert told.startswith(
+        "the activations of KF may be off by 0.084 (95 %, median over time) since the muscles' numbers"
+    )
+    alone = " ".join(notes(noisy.sel(observer=["high_gain"])))
+    assert "the activations of HGO may be off by 0.08" in alone
     for sure in (
         estimate(short, MUSCLES, usual_doubt=False),
         estimate(short, MUSCLES, doubt={"mass": "1%"}, usual_doubt=False),
     ):
         assert "95 %" not in " ".join(notes(sure))
+    # a few samples without a slope are not all; where most are so, nothing is known
+    wild = noisy.activation_sd_muscle.copy()
+    wild[:, :50] = 1e20
+    assert [s for s in notes(noisy.assign(activation_sd_muscle=wild)) if "activations of KF may be off by 0.08" in s]
+    (none,) = (s for s in notes(noisy.assign(activation_sd_muscle=wild * 0 + 1e20)) if "may be off" in s)
+    assert none.startswith("how far the activations of KF may be off cannot be told")
+
+
+def test_a_sentence_and_the_report_list_the_deviations_in_force_with_their_units(short: Recording) -> None:
+    doubt = {"F_max": 0.05, "muscle1.v_max": "20%", "force_bias": "5N", "position_bias": "0.1mm", "mass": "2%"}
+    estimates = estimate(short, MUSCLES, ["high_gain"], doubt=doubt)
+    (told,) = (sentence for sentence in notes(estimates) if "standard deviations:" in sentence)
+    assert told.strip().split(": ")[1].split(", ") == [
+        "F_max 0.05 N", "optimal_fibre_length 0.003 m", "tendon_slack_length 0.002 m", "muscle1.v_max 2 1/s",
+        "tendon_strain 0.0049", "passive_strain 0.03", "force_bias 5 N", "muscle2.v_max 1 1/s", "mass 0.4 kg",
+        "position_bias 0.0001 m",
+    ]  # fmt: skip
+    page = estimate_page(estimates, [], [], b"").decode()
+    for cell in ("0.05 N", "muscle1.v_max", "2 1/s", "0.0001 m"):
+        assert f">{cell}<" in page
+    sure = estimate(short, MUSCLES, ["high_gain"], usual_doubt=False)
+    assert (
+        "standard deviations" not in " ".join(notes(sure)).lower() + estimate_page(sure, [], [], b"").decode().lower()
+    )
 
 
 def test_without_doubt_noise_is_all(short: Recording) -> None:
@@ -206,11 +234,11 @@ def test_the_band_is_that_of_the_sample_whatever_else_is_kept(short: Recording) 
 
 
 def test_a_slack_tendon_has_no_band_until_its_force_has_passed_the_noise(short: Recording) -> None:
-    force = short.force_2.copy()
+    force = short["force_2"].copy()
     force[120:160] = -0.5
     # above 0 and below five times the noise of some 5 N
     force[160:170] = 4.0
-    of = estimate(dataclasses.replace(short, force_2=force), MUSCLES, "kalman").sel(observer="kalman")
+    of = estimate(short.remeasured(force_2=force), MUSCLES, "kalman").sel(observer="kalman")
     for name in OF_A_MUSCLE:
         for suffix in ("_sd", "_sd_state", "_sd_muscle"):
             unknown = np.isnan(of[name + suffix])

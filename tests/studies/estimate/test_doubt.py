@@ -14,10 +14,9 @@ from hillobs.studies.estimate.bands.doubt import USUAL, doubts, parse_doubt
 from hillobs.studies.estimate.bands.taut import taut
 from hillobs.studies.estimate.run import estimate
 from hillobs.studies.files.errors import ScenarioError
-from hillobs.studies.files.tables import Series, write_csv
 from hillobs.studies.laboratory.muscles import SIZES, muscle_file, muscle_pair, numbers_of, read_muscles
 from hillobs.studies.laboratory.recording import Recording
-from shipped_recording import MUSCLES
+from shipped_recording import MUSCLES, write_measured
 
 pytestmark = pytest.mark.numerics
 
@@ -95,8 +94,7 @@ BAD = [
 def test_what_is_no_doubt_is_one_sentence(
     typed: str, sentence: str, short: Recording, command: Callable[..., tuple[int, str, str]]
 ) -> None:
-    units = {"time": "s", "position": "m", "force_1": "N", "force_2": "N"}
-    write_csv(Path("short.csv"), [Series(name, unit, getattr(short, name)) for name, unit in units.items()])
+    write_measured(short, Path("short.csv"))
     code, _, err = command("estimate", "short.csv", "--muscles", str(MUSCLES), "--no-figures", "--doubt", typed)
     assert code == 2
     assert err.startswith(f"hillobs: {sentence}")
@@ -114,7 +112,8 @@ def test_what_is_no_doubt_is_one_sentence(
         ("{ value = 0.1, sd = true }", "muscle.optimal_fibre_length must be a number, not true"),
         ("{ value = 0.1, sd = [1] }", "muscle.optimal_fibre_length must be a number, not [1]"),
         ("{ value = 'a', sd = 1 }", "muscle.optimal_fibre_length must be a number, not 'a'"),
-        ("{ value = 0.1 }", "muscle.optimal_fibre_length must be a number, or { value = …, sd = … }, not a table"),
+        ("{ value = 0.1 }", "muscle.optimal_fibre_length has a value without an sd; a number without one stands alone"),
+        ("{ sd = 0.1 }", "muscle.optimal_fibre_length must be a number, or { value = …, sd = … }, not a table"),
         ("{ value = 0.1, sd = 0.1, s = 1 }", "muscle.optimal_fibre_length must be a number, or { value = …, sd = … }"),
     ],
 )
@@ -144,6 +143,12 @@ def test_a_doubt_is_typed_with_or_without_its_unit() -> None:
     assert parse_doubt("F_max=50") == ("F_max", 50.0)
     assert parse_doubt(" F_max = 5 % ") == ("F_max", "5 %")
     assert doubts(PAIR, {"C": "1e1 mm"}, usual=False) == pytest.approx({"C": 0.01})
+
+
+def test_a_number_is_not_doubted_twice(command: Callable[..., tuple[int, str, str]]) -> None:
+    given = ("estimate", "short.csv", "--muscles", str(MUSCLES), "--doubt", "F_max=3%", "--doubt", "F_max=4%")
+    code, _, err = command(*given)
+    assert (code, err) == (2, "hillobs: a number is given to --doubt twice\n")
 
 
 def test_a_length_is_known_from_five_sigma_on_until_the_force_is_gone() -> None:

@@ -25,6 +25,24 @@ def test_gains_by_hand_come_before_the_rule(noisy: xr.Dataset, short: Recording)
     np.testing.assert_array_equal(same.activation_hat[0], estimate(short, MUSCLES).activation_hat[0])
 
 
+def test_numbers_of_both_passes_of_the_kalman_filter_stay_as_they_are_given(short: Recording) -> None:
+    given = {"s_a1": 0.02, "s_a2": 0.03, "s_x3": 0.004, "s_x4": 0.005, "order_a": 2.0, "sigma_1": 0.002}
+    estimates = estimate(
+        short, MUSCLES, "kalman", form="a", changes={f"kalman.{name}": value for name, value in given.items()}
+    )
+    gains, fit = (json.loads(estimates.attrs[name])["kalman"] for name in ("gains", "fits"))
+    assert {name: gains[f"kalman.{name}"] for name in given} == given
+    assert list(fit["a"]["tried"]) == [f"{fit['u']['orders'][0]},2"]
+    # what the second pass alone has is nothing to the first
+    assert fit["u"]["numbers"].keys().isdisjoint({"s_a1", "order_a"})
+    free = estimate(short, MUSCLES, "kalman", changes={"kalman.sigma_1": 0.002})
+    assert fit["u"] == json.loads(free.attrs["fits"])["kalman"]["u"]
+    with pytest.raises(ScenarioError, match=r"kalman.order_a must be .* 3, not 4"):
+        estimate(short, MUSCLES, "kalman", changes={"kalman.order_a": 4})
+    with pytest.raises(ScenarioError, match=r"unknown path 'kalman.s_a3'; the nearest are kalman.s_x3, kalman.s_a2"):
+        estimate(short, MUSCLES, "kalman", changes={"kalman.s_a3": 0.1})
+
+
 @pytest.mark.parametrize(
     ("changes", "sentence"),
     [

@@ -1,5 +1,6 @@
 """The Kalman filter follows recordings better than any tuned gain does, and its standard deviations hold."""
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,7 @@ from hillobs.observers import OBSERVERS
 from hillobs.observers.kalman.constant import butterworth
 from hillobs.observers.kalman.parameters import INPUTS
 from hillobs.observers.observer import Sizes
+from hillobs.studies.cli.reports.estimates.likelihood import orders
 from hillobs.studies.estimate.run import estimate
 from hillobs.studies.estimate.scores import SETTLED
 from hillobs.studies.laboratory.recording import Recording
@@ -64,6 +66,15 @@ def test_where_samples_are_missing_it_is_less_sure(short: Recording) -> None:
         assert (deviation[first] > 1.1 * deviation[first - 1]).all(), name
         # and as sure as ever some time later
         assert (deviation[-1] < 1.2 * deviation[first - 1]).all(), name
+
+
+def test_orders_that_are_likelier_and_not_taken_say_why(noisy: xr.Dataset) -> None:
+    found = json.loads(noisy.attrs["fits"])["kalman"]["u"]
+    assert orders(found, "u").startswith("Δ 2, u 3 (log L of 2,2 -48; 2,1 -725")
+    # rougher inputs must gain more than smoother ones, and what does not is not taken
+    assert found["needed"]["2,1"] == found["needed"]["1,3"] > found["needed"]["3,3"] == found["needed"]["2,3"]
+    likelier = {**found, "tried": {**found["tried"], "2,1": found["log_likelihood"] + 13}, "needed": {"2,1": 92.4}}
+    assert "; 2,1 +13, not the 92 it must gain; 1,3 -57" in orders(likelier, "u")
 
 
 def passed(injections: list[float], i: int) -> float:

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.signal import butter, lfilter
 
-from hillobs.studies.estimate.sizes.noise import despiked, noise
-from hillobs.studies.estimate.sizes.timescales import smoothed, twice_integrated
+from hillobs.studies.estimate.sizes.noise import despiked, even_steps, noise
+from hillobs.studies.estimate.sizes.timescales import filled, smoothed, twice_integrated
 from known_motion import MOTION, SIGMA, looked_at, recorded, rms, sines
 
 
@@ -17,6 +17,31 @@ def test_white_noise_is_measured_whatever_lies_under_it() -> None:
         found = noise(signal, 0.05)
         assert found.sigma == pytest.approx(sigma, rel=0.2)
         assert found.correlation == 1
+
+
+def test_noise_of_uneven_steps_is_that_of_the_even_ones() -> None:
+    random = np.random.default_rng(5)
+    t = np.arange(8000) * 0.05
+    signal = 3 + 0.2 * np.sin(1.3 * t) + 1e-3 * random.normal(size=len(t))
+    kept = random.random(len(t)) > 0.25
+    even = even_steps(t[kept], 0.05)
+    # 0.75⁵ of the differences are over even steps: some 1400
+    assert noise(signal[kept], 0.05, even).sigma == pytest.approx(1e-3, rel=0.1)
+    assert noise(signal[kept], 0.05).sigma > 1.3e-3
+    # where hardly any step is even all of them count, as where all are
+    assert noise(signal, 0.05, np.zeros(len(t) - 1, dtype=bool)) == noise(signal, 0.05)
+    assert noise(signal, 0.05, even_steps(t, 0.05)) == noise(signal, 0.05)
+
+
+def test_where_samples_are_missing_there_are_straight_lines_and_time_is_as_it_was() -> None:
+    t = np.array([0.0, 0.1, 0.2, 0.5, 0.61, 0.7, 0.9])
+    grid = np.array([0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.61, 0.7, 0.8, 0.9])
+    np.testing.assert_allclose(filled(np.array([t, 2 * t]), t, 0.1), [grid, 2 * grid])
+    even = np.arange(9.0)[None]
+    assert filled(even, np.arange(9) * 0.1, 0.1) is even
+    # nearly all would be made up
+    rare = np.array([0.0, 0.1, 0.2, 9.0])
+    assert filled(even[:, :4], rare, 0.1).shape == (1, 4)
 
 
 def test_noise_of_a_hardware_filter_is_noise_and_its_length_is_found() -> None:

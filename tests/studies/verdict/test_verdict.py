@@ -9,9 +9,14 @@ import numpy as np
 import pytest
 
 import hillobs
+from hillobs.studies.cli.reports.estimates.verdict import sentences
+from hillobs.studies.estimate.run import estimate
+from hillobs.studies.files.progress import unseen
 from hillobs.studies.laboratory.muscles import MusclePair, read_muscles
 from hillobs.studies.laboratory.recording import Recording, read_recording
-from hillobs.studies.verdict.run import Verdict
+from hillobs.studies.verdict import run
+from hillobs.studies.verdict.finding import Finding
+from hillobs.studies.verdict.run import Verdict, judged
 from hillobs.studies.verdict.variants import variants
 from shipped_recording import MUSCLES, SHIPPED, part
 
@@ -34,7 +39,7 @@ def scaled(name: str, factor: float) -> Callable[[Recording, MusclePair], Given]
 
 def measured(**columns: Callable[[Recording], np.ndarray]) -> Callable[[Recording, MusclePair], Given]:
     def change(recording: Recording, pair: MusclePair) -> Given:
-        return dataclasses.replace(recording, **{name: of(recording) for name, of in columns.items()}), pair
+        return recording.remeasured(**{name: of(recording) for name, of in columns.items()}), pair
 
     return change
 
@@ -60,10 +65,11 @@ WRONG = {
     "heavy": (other_mass(10.0), "a mass 0.1 times as large"),
     "light": (other_mass(0.1), "a mass 10 times as large"),
     "curves": (other_curves, "curves of another kind"),
-    "swapped": (measured(force_1=lambda r: r.force_2, force_2=lambda r: r.force_1), "the muscles swapped"),
-    "kilonewtons": (measured(force_1=lambda r: r.force_1 / 1e3, force_2=lambda r: r.force_2 / 1e3), "in kN"),
-    "millimetres": (measured(position=lambda r: r.position / 1e3), "in another unit, such as mm"),
-    "still": (measured(position=lambda r: 0 * r.position + 0.31), "stands still"),
+    "swapped": (measured(force_1=lambda r: r["force_2"], force_2=lambda r: r["force_1"]), "the muscles swapped"),
+    "mirrored": (measured(position=lambda r: 0.62 - r["position"]), "measured from the other wall"),
+    "kilonewtons": (measured(force_1=lambda r: r["force_1"] / 1e3, force_2=lambda r: r["force_2"] / 1e3), "in kN"),
+    "millimetres": (measured(position=lambda r: r["position"] / 1e3), "in another unit, such as mm"),
+    "still": (measured(position=lambda r: 0 * r["position"] + 0.31), "stands still"),
 }
 QUICK = ("l0-long", "swapped", "kilonewtons", "millimetres", "still")
 
@@ -90,21 +96,65 @@ def test_what_is_wrong_is_named(name: str, shipped: Given, tmp_path: Path, monke
     verdict = hillobs.verdict(*change(recording if name in QUICK else read_recording(SHIPPED), pair))
     assert verdict.quality == "doubtful"
     assert words in doubts(verdict), doubts(verdict)
+    if name == "l0-long":
+        # for a program
+        answer = json.loads(json.dumps(verdict.as_dict(), allow_nan=False))
+        (suspects,) = (found["suspects"] for found in answer["findings"] if found["subject"] == "muscles")
+        assert (suspects[0]["number"], suspects[0]["factor"]) == ("optimal_fibre_length", 0.95)
+        assert suspects[0]["log_likelihood"] == verdict.findings[-1].value
+
+
+def test_of_a_long_recording_the_middle_is_weighed_and_that_is_said(
+    shipped: Given, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    recording, pair = shipped
+    monkeypatch.setattr(run, "_MOST", 600)
+    estimates = estimate(recording, pair, "kalman")
+    weighed = []
+    monkeypatch.setattr(run, "of_muscles", lambda middle, *_: weighed.append(middle) or [])
+    verdict = judged(recording, pair, estimates, unseen)
+    (middle,) = weighed
+    assert (len(middle), middle.time[0], middle.time[-1]) == (600, recording.time[100], recording.time[699])
+    assert verdict.as_dict()["weighed"] == {"samples": 600, "of": 800, "between": [middle.time[0], middle.time[-1]]}
+    first, *_ = sentences(verdict)
+    assert first == (
+        "verdict: nothing is doubted; the muscles' numbers are weighed by the 600 samples from 0.5 to 3.495 s, "
+        "all else by all 800"
+    )
+
+
+def test_muscles_are_not_weighed_by_what_a_sensor_that_hangs_tells(shipped: Given) -> None:
+    recording, pair = shipped
+    frozen = np.where(recording.time < 1, recording["position"][0], recording["position"])
+    verdict = hillobs.verdict(recording.remeasured(position=frozen), pair)
+    assert "position is the same number from 0 to 0.995 s" in doubts(verdict)
+    assert {finding.subject for finding in verdict.findings}.isdisjoint({"muscles", "form", "untold"})
+    assert verdict.weighed == 0
+
+
+@pytest.mark.parametrize(
+    ("doubtful", "words"), [(1, "verdict: 1 of 2 findings is doubtful"), (2, "verdict: 2 of 2 findings are doubtful")]
+)
+def test_doubts_are_counted_in_english(doubtful: int, words: str) -> None:
+    findings = [Finding("form", "it fits", 1.0, i < doubtful) for i in range(2)]
+    assert next(sentences(Verdict(findings, 100, 100, (0.0, 1.0)))) == words
+    assert next(sentences(Verdict(findings, 100, 0, (0.0, 1.0)))).startswith(f"{words}; the muscles' numbers are not")
 
 
 def test_what_is_tried_is_tried_up_and_down_and_of_both_muscles(shipped: Given) -> None:
     recording, pair = shipped
     tried = list(variants(recording, pair))
     assert {variant.name for variant in tried} == {
-        "optimal_fibre_length", "tendon_slack_length", "F_max", "v_max", "mass", "swapped",
+        "optimal_fibre_length", "tendon_slack_length", "F_max", "v_max", "mass", "swapped", "mirrored",
     }  # fmt: skip
     for name in ("optimal_fibre_length", "tendon_slack_length", "F_max", "v_max"):
         usual = getattr(pair.muscle1, name)
         ratios = [getattr(v.pair.muscle1, name) / usual for v in tried if v.name == name]
         assert ratios == [getattr(v.pair.muscle2, name) / usual for v in tried if v.name == name]
         assert min(ratios) < 1 < max(ratios)
-    swapped = tried[-1].recording
-    assert swapped.force_1 is recording.force_2
+    swapped, mirrored = (variant.recording for variant in tried[-2:])
+    assert swapped["force_1"] is recording["force_2"]
+    np.testing.assert_allclose(mirrored["position"] + recording["position"], pair.C)
 
 
 def test_a_command_ends_with_the_verdict_and_writes_it(command, shipped: Given, tmp_path: Path) -> None:
@@ -125,5 +175,5 @@ def test_a_command_ends_with_the_verdict_and_writes_it(command, shipped: Given, 
 
 
 def as_csv(recording: Recording) -> str:
-    columns = zip(recording.time, recording.position, recording.force_1, recording.force_2, strict=True)
+    columns = zip(recording.time, recording["position"], recording["force_1"], recording["force_2"], strict=True)
     return "\n".join(["time,position,force_1,force_2", *(",".join(map(repr, map(float, row))) for row in columns)])

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 import xarray as xr
 
 from .....model.symbols import MUSCLES
+from ....estimate.bands.doubt import stated
 from ....estimate.scores import SETTLED, Score
 from ..web import image, listed, page, section, table
 from .estimate import failures, notes, score_cells
@@ -33,7 +34,16 @@ def _sections(dataset: xr.Dataset, scores: Sequence[Score], verdict: Sequence[st
     yield section("Estimates", image(sheet, _SHEET))
     yield section("How they were made", listed(notes(dataset)))
     yield section("Muscles", *_muscles(json.loads(str(dataset.muscle_file.values))))
-    yield section("Settings", table(_rows(json.loads(dataset.attrs["settings"])), words_in=True))
+    settings, doubt = (json.loads(dataset.attrs[name]) for name in ("settings", "doubt"))
+    yield section(
+        "Settings",
+        table(_rows(settings), words_in=True),
+        *(
+            [table(stated(doubt).items(), caption="Standard deviations of numbers in doubt", words_in=True)]
+            if doubt
+            else []
+        ),
+    )
     versions = {**json.loads(dataset.attrs["versions"]), "library": dataset.attrs["library"]}
     yield section("Versions", table(_rows(versions), words_in=True))
 

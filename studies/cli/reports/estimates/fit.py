@@ -7,8 +7,11 @@ from collections.abc import Iterator
 from .....observers import label
 from ....estimate.fit import Fitted
 from ....estimate.run import KALMAN
-from ....scenarios.show import toml_value
+from ....files.toml import toml_value
 from .likelihood import orders
+
+_OF_SCENARIO = "hillobs simulate THIS_FILE"
+_OF_RECORDING = "hillobs estimate RECORDING --muscles FILE.toml --observer kalman --set THIS_FILE"
 
 
 def sentences(found: Fitted) -> Iterator[str]:
@@ -20,7 +23,10 @@ def sentences(found: Fitted) -> Iterator[str]:
 
 
 def scenario_file(found: Fitted) -> str:
-    """The scenario with the numbers, or the numbers alone, as TOML."""
-    lines = [f"# for {found.label}: the numbers of the Kalman filter for which what was measured is likeliest"]
+    """The scenario with the numbers, or the numbers alone, as TOML that says what it is for."""
+    lines = [
+        f"# for {found.label}: the numbers of the Kalman filter for which what was measured is likeliest",
+        f"# {_OF_SCENARIO if found.scenario else _OF_RECORDING}",
+    ]
     lines += [f"{path} = {toml_value(value)}" for path, value in {**found.scenario, **found.numbers}.items()]
     return "\n".join(lines) + "\n"

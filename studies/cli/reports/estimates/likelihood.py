@@ -16,15 +16,22 @@ def decisions(fit: Mapping[str, Any], settings: Mapping[str, Any]) -> Iterator[s
         yield f"activations as states, {taken}: {orders(fit['a'], 'a')}; log L {gain:+,.0f}"
     if settings["smooth"]:
         yield "smoothed: each estimate knows all samples"
+    elif fit["lag"]:
+        yield f"each estimate is {_time(fit['lag'])} late, and knows the samples until then"
     elif settings["lag"]:
-        yield f"each estimate is {settings['lag'] * 1e3:.4g} ms late, and knows the samples until then"
+        yield f"a lag of {_time(settings['lag'])} is less than half a sample, so estimates know no later one"
+
+
+def _time(seconds: float) -> str:
+    return f"{seconds:,.4g} s" if seconds >= 1 else f"{seconds * 1e3:.4g} ms"
 
 
 def orders(choice: Mapping[str, Any], second: str) -> str:
-    """The orders of Δ and of the `second` input, and how much less likely others are."""
+    """The orders of Δ and of the `second` input, how likely others are, and why a likelier one is not taken."""
     D, other = choice["orders"]
     others = [
-        f"{tried} {value - choice['log_likelihood']:+,.0f}"
+        f"{tried} {(gain := value - choice['log_likelihood']):+,.0f}"
+        + (f", not the {choice['needed'][tried]:,.0f} it must gain" if gain > 0 else "")
         for tried, value in choice["tried"].items()
         if tried != f"{D},{other}"
     ]

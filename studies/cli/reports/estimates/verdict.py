@@ -11,6 +11,7 @@ from typing import Any
 
 from ....estimate.scores import Score
 from ....verdict.run import Verdict
+from ..number import counted
 
 _DOUBTFUL, _PLAIN = "? ", "  "
 
@@ -18,9 +19,25 @@ _DOUBTFUL, _PLAIN = "? ", "  "
 def sentences(verdict: Verdict) -> Iterator[str]:
     """A line for the whole, then one for each finding, doubtful ones marked."""
     doubts = sum(finding.doubtful for finding in verdict.findings)
-    whole = f"{doubts} of {len(verdict.findings)} findings are doubtful" if doubts else "nothing is doubted"
-    yield f"verdict: {whole}"
+    are = "is" if doubts == 1 else "are"
+    whole = (
+        f"{doubts} of {counted(len(verdict.findings), 'finding')} {are} doubtful" if doubts else "nothing is doubted"
+    )
+    yield f"verdict: {whole}{_weighed(verdict)}"
     yield from (f"{_DOUBTFUL if f.doubtful else _PLAIN}{f.sentence}" for f in verdict.findings)
+
+
+def _weighed(verdict: Verdict) -> str:
+    """By which part of the recording the muscles were weighed, if that is not all of it."""
+    if not verdict.weighed:
+        return "; the muscles' numbers are not weighed before that is mended"
+    if verdict.weighed == verdict.samples:
+        return ""
+    start, end = verdict.between
+    return (
+        f"; the muscles' numbers are weighed by the {verdict.weighed:,} samples from {start:.4g} to {end:.4g} s, all "
+        f"else by all {verdict.samples:,}"
+    )
 
 
 def answer(verdict: Verdict | None, scores: Sequence[Score], written: Sequence[Path]) -> str:
