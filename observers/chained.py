@@ -99,7 +99,7 @@ def views(chains: Chains, system: System) -> dict[str, dict[str, str]]:
 
     def view(joint: str, muscle: str) -> dict[str, str]:
         names = {name: f"{muscle}.{name}" for name in chains.muscle.p}
-        names |= {chains.second.get(name, name): own for name, own in names.items()}
+        names |= {chains.second.get(name, name): number for name, number in names.items()}
         return {**names, **{name: f"{joint}.{name}" for name in chains.joint.p}}
 
     joint, muscle = system.joints[0], system.muscles[0]

@@ -127,8 +127,8 @@ class Observer:
         }
         return {
             f"{of}.{name}": value
-            for of, (chain, own) in cells.items()
-            for name, value in self.gains(own, T).items()
+            for of, (chain, near) in cells.items()
+            for name, value in self.gains(near, T).items()
             if name in chain.p
         }
 
@@ -137,7 +137,9 @@ class Observer:
         if system.paper or not self.chains:
             return {"": p}
         of = views(self.chains(True), system)
-        return {name: Symbols({key: p[own] for key, own in view.items() if own in p}) for name, view in of.items()}
+        return {
+            name: Symbols({key: p[number] for key, number in view.items() if number in p}) for name, view in of.items()
+        }
 
     def rates_of(self, system: System, p: Symbols) -> Mapping[str, ca.SX] | None:
         """All rates of the observer of a system, by words; None if they are to be found from ∂ẋ/∂x."""

@@ -28,12 +28,12 @@ def gain_conditions(
     p, about = symbols(numbers), symbols(FACTS)
     checked: list[Checked] = []
     for of, view in observer.views(system, p).items():
-        own = sizes.pair if system.paper else _neighbours(sizes, system, of)
+        near = sizes.pair if system.paper else _neighbours(sizes, system, of)
         theorem = observer.theorem(view, about)
         if of:
-            theorem = _each_once([one for one in theorem if _concerns(one, of, p)])
-        found = check(theorem, Symbols({**p, **about}), {**numbers, **_facts(own, h)})
-        checked += [replace(one, name=f"{of}: {one.name}") if of else one for one in found]
+            theorem = _each_once([condition for condition in theorem if _concerns(condition, of, p)])
+        found = check(theorem, Symbols({**p, **about}), {**numbers, **_facts(near, h)})
+        checked += [replace(condition, name=f"{of}: {condition.name}") if of else condition for condition in found]
     return checked
 
 
@@ -54,8 +54,8 @@ def _each_once(conditions: list[Condition]) -> list[Condition]:
 
 def _concerns(condition: Condition, of: str, p: Symbols) -> bool:
     """Whether it is about numbers of this joint or muscle, and not its neighbour's alone."""
-    own = ca.vertcat(*(symbol for name, symbol in p.items() if name.startswith(f"{of}.")))
-    return bool(ca.depends_on(ca.vertcat(condition.left, condition.right), own))
+    numbers = ca.vertcat(*(symbol for name, symbol in p.items() if name.startswith(f"{of}.")))
+    return bool(ca.depends_on(ca.vertcat(condition.left, condition.right), numbers))
 
 
 def _facts(sizes: Sizes, h: float) -> dict[str, float]:

@@ -167,10 +167,10 @@ def _whole(subject: Subject, corrected: bool, chosen: Mapping[str, Observer]) ->
 
 def _compiled(subject: Subject, chosen: Mapping[str, Observer]) -> tuple[Observer, ...]:
     """Those of its library: of a mechanism those that are made of chains, and what was asked for."""
-    every = compiled_with(chosen)
+    banked = compiled_with(chosen)
     if subject.pair:
-        return every
-    return tuple(observer for observer in every if observer.chains or observer in chosen.values())
+        return banked
+    return tuple(observer for observer in banked if observer.chains or observer in chosen.values())
 
 
 def _paths(bank: Bank, whole: Iterable[Block]) -> Paths:
