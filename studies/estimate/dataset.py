@@ -127,7 +127,7 @@ def estimate_dataset(case: Case, results: Mapping[str, Result], library: str) ->
             {"long_name": "the muscles in SI, and what they pull, as JSON"},
         ),
     }
-    data |= deviations(case, results)
+    data |= deviations(case, results, {name: _unit(s.sliding, name) for name in _UNITS})
     for name, (unit, sentence) in TRUE.items():
         columns = subject.names.get(name, ())
         if columns and all(column in recording.true for column in columns):

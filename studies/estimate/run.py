@@ -99,7 +99,7 @@ def estimate(
     paths = _paths(bank, whole)
     settings = _settings(corrected, changes or {}, keep_every, paths, chosen)
     settings = replace(settings, **_smoothing(chosen, form, smooth, lag))
-    known = _doubts(subject, {} if doubt is None else doubt, switch("usual_doubt", usual_doubt))
+    known = doubts(subject, {} if doubt is None else doubt, switch("usual_doubt", usual_doubt))
     if isinstance(recording, Recording):
         parts, read = shares(progress or unseen, [1] * len(chosen)), recording
     else:
@@ -121,18 +121,9 @@ def compile_observers(subject: Subject, observers: Observers = None, corrected: 
     compile_first_pass(subject.system)
     chosen = observers_named(observers)
     compiled_bank(_bank(subject, corrected, chosen))
-    if subject.pair:
-        compile_sensitivities(subject.pair.curves)
-        if any(observer.fitted for observer in chosen.values()):
-            compile_passes(subject.pair.curves)
-
-
-def _doubts(subject: Subject, given: Mapping[str, float | str], usual: bool) -> dict[str, float]:
-    if subject.pair:
-        return doubts(subject.pair, given, usual)
-    if given:
-        raise ScenarioError("numbers in doubt are for a pair of muscles so far, not for a mechanism")
-    return {}
+    compile_sensitivities(subject)
+    if subject.pair and any(observer.fitted for observer in chosen.values()):
+        compile_passes(subject.pair.curves)
 
 
 def recorded(

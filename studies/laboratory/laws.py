@@ -9,6 +9,7 @@ import numpy as np
 
 from ...model.arrays import Array
 from ...model.block import Symbols
+from ...model.skeleton.paths import moment_arms
 from ...model.system import System
 
 # samples at which the noise of accelerations is told
@@ -27,6 +28,9 @@ class Laws:
         acc = ca.vertcat(*system.accelerations(q, dq, F, p))
         self._lengths = ca.Function("lengths", columns[:1], [ca.vertcat(*system.lengths(q, p))])
         self._accelerations = ca.Function("accelerations", columns[:3], [acc])
+        arms = moment_arms(ca.vertcat(*system.lengths(q, p)), columns[0])
+        self._rates = ca.Function("rates", columns[:2], [-arms.T @ columns[1]])
+        self._arms = ca.Function("arms", columns[:1], [ca.vec(ca.densify(arms))])
         self._gain = ca.Function("gain", columns[:3], [ca.densify(ca.jacobian(acc, columns[2]))])
         forces = ca.vertcat(*system.forces(q, Delta, p))
         self._forces = ca.Function("forces", [columns[0], columns[3]], [forces])
@@ -34,6 +38,14 @@ class Laws:
     def lengths(self, q: Array) -> Array:
         """L_m (… × muscles) at coordinates (… × joints)."""
         return _mapped(self._lengths, [q])
+
+    def rates(self, q: Array, dq: Array) -> Array:
+        """L̇_m (… × muscles) at coordinates and velocities (… × joints)."""
+        return _mapped(self._rates, [q, dq])
+
+    def moment_arms(self, q: Array) -> Array:
+        """R (… × muscles × joints): what each tendon's force does to each joint."""
+        return _mapped(self._arms, [q]).reshape(*q.shape[:-1], len(self.system.muscles), len(self.system.joints))
 
     def forces(self, q: Array, Delta: Array) -> Array:
         """Of each joint (… × joints), that make these accelerations."""

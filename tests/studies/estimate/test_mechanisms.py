@@ -36,6 +36,7 @@ ARMS = {
     "arm_noisy.csv.gz": (RECORDINGS / "arm.toml", 0.0075, 0.0062),
     "arm_smooth_noisy.csv.gz": (RECORDINGS / "arm.toml", 0.0075, 0.0062),
 }
+GAINS = {"high_gain_3.elbow.eps_h": 0.16, "high_gain_3.TRIlat.eps_L": 0.12, "high_gain_3.BRA.eps_L": 0.11}
 FASTEST = 0.032  # rad/s
 
 
@@ -166,7 +167,7 @@ def test_what_is_wrong_is_one_sentence(tmp_path: Path, command) -> None:
     assert "not made of chains" in told(few, *of_hinge, "--observer", "kalman")
     assert "one of them" in told(few)
     assert "one of them" in told(few, *of_hinge, "--muscles", str(MUSCLES))
-    assert "for a pair of muscles" in told(few, *of_hinge, "--doubt", "F_max=3%")
+    assert "unknown number 'mass' in doubt" in told(few, *of_hinge, "--doubt", "mass=3%")
     assert "unknown path" in told(few, *of_hinge, "--set", "high_gain.eps_h=0.1")
 
 
@@ -193,3 +194,49 @@ def test_a_mechanism_asks_for_a_joint() -> None:
 def test_a_pair_has_no_columns_of_joints(short: Recording) -> None:
     with pytest.raises(RecordingError, match="measured must be position, force_1, force_2"):
         short.remeasured(angle_elbow=short.time)
+
+
+@pytest.mark.parametrize("number", ["optimal_fibre_length", "pennation", "F_max"])
+def test_a_changed_number_moves_the_estimates_by_its_band(number: str) -> None:
+    """By a thousandth: noise of û is in the rate of the tendon's length, and the square of the step is left."""
+    recording = read_recording(DATA / "hinge_pair_noisy.csv.gz", known=subject_of(HINGE).columns)
+    mechanism = read_mechanism(HINGE)
+    usual, step = mechanism.muscles["TRIlat"], 1e-3
+    changed = [
+        dataclasses.replace(usual, **{number: getattr(usual, number) * (1 + sign * step / 2)}) for sign in (-1, 1)
+    ]
+    below, above = (
+        estimate(
+            recording,
+            dataclasses.replace(mechanism, muscles={**mechanism.muscles, "TRIlat": muscle}),
+            "high_gain_3",
+            # the same gains, whatever the muscle
+            changes=dict(GAINS),
+            usual_doubt=False,
+        )
+        for muscle in changed
+    )
+    band = estimate(
+        recording,
+        mechanism,
+        "high_gain_3",
+        changes=dict(GAINS),
+        doubt={f"TRIlat.{number}": f"{100 * step!r}%"},
+        usual_doubt=False,
+    )
+    late = slice(1.0, None)
+    for name in ("fibre_length", "activation"):
+        move, found = (
+            of.sel(muscle="TRIlat", time=late).isel(observer=0)
+            for of in (above[f"{name}_hat"] - below[f"{name}_hat"], band[f"{name}_sd_muscle"])
+        )
+        assert float(np.sqrt(((abs(move) - found) ** 2).mean() / (move**2).mean())) < 0.02, name
+    assert not band.activation_sd_muscle.sel(muscle="BRA").any()
+
+
+def test_a_biased_force_moves_the_torque_by_its_moment_arm(hinge: xr.Dataset) -> None:
+    biased = estimate(
+        DATA / "hinge_pair_noisy.csv.gz", HINGE, "high_gain", doubt={"BRA.force_bias": "2N"}, usual_doubt=False
+    )
+    arms = subject_of(HINGE).laws.moment_arms(biased.position_hat.values)[0, :, 1, 0] * subject_of(HINGE).scales.length
+    np.testing.assert_allclose(biased.disturbance_sd_muscle[0, :, 0], 2 * abs(arms), rtol=1e-12)
