@@ -10,7 +10,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..block import Symbols
-from . import Curves, CurveSet, by_muscle, sampled
+from . import CurveSet, sampled
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,6 @@ class Tendon:
         return self.numbers["L_slack"], float(self.length(np.array([self.toe_force]))[0])
 
 
-def tendon(curves: Curves, muscle: str, numbers: Mapping[str, float]) -> Tendon:
-    """The tendon of a muscle; `numbers` has the paths `muscle1.L_slack`, …."""
-    curve_set = by_muscle(curves)[muscle]
+def tendon(curve_set: CurveSet, muscle: str, numbers: Mapping[str, float]) -> Tendon:
+    """The tendon of a muscle with these curves; `numbers` has the paths `muscle1.L_slack`, …."""
     return Tendon(curve_set, {key: numbers[f"{muscle}.{key}"] for key in curve_set.tendon})

@@ -18,10 +18,12 @@ from ..files.errors import ScenarioError
 from ..files.numbers import parse_number
 from ..files.quote import shown
 from ..files.writing import refuse_overwriting, writable_folder
+from ..laboratory.mechanisms.reading import read_mechanism
+from ..laboratory.subject import subject_of
 from ..observability.map import along as rank_along
 from ..observability.map import axis_ranges, over
-from ..observability.point import answer, start_point
-from ..observability.question import Question, pose
+from ..observability.point import Answer, answer, rest_point, start_point
+from ..observability.question import PAPER_SENSORS, Question, pose, pose_mechanism
 from ..scenarios.layers import Value
 from ..scenarios.prepare import prepare
 from .reports.observability import answer_as_json, answer_table, details, ranks_along, ranks_over, summary
@@ -40,8 +42,15 @@ _LEAST_ORDER = 2
 
 @click.command()
 @scenario_argument("paper-clean")
-@click.option("--at", "place", metavar="x1=..,x3=..", help="The point; what is not given is the scenario's at τ = 0.")
-@click.option("--outputs", default="x1,F1,F2", show_default=True, help="Sensors: x1, x2, F1, F2, L_C1, L_C2.")
+@click.option(
+    "--at", "place", metavar="x1=..,x3=..", help="The point; the rest is the scenario's at τ = 0 (a mechanism at rest)."
+)
+@click.option(
+    "--mechanism", metavar="FILE.toml", help="Joints and muscles instead of a scenario, at rest; exact names."
+)
+@click.option(
+    "--outputs", help="Sensors: x1,F1,F2 of x1, x2, F1, F2, L_C1, L_C2; of a mechanism all joints and muscles."
+)
 @click.option("--unknown", default="none", show_default=True, help="Unknown: none, u (Δ, u1, u2) or a (Δ, a1, a2).")
 @whole_option("--signals", 0, "Unknowns as signals: derivatives up to S are unknown too.", default=0, metavar="S")
 @whole_option("--order", 0, "Highest Lie derivative; n − 1 by default (maps, runs: as many as add rank).", metavar="K")
@@ -54,7 +63,8 @@ _LEAST_ORDER = 2
 def observability(
     scenario: str,
     place: str | None,
-    outputs: str,
+    mechanism: str | None,
+    outputs: str | None,
     unknown: str,
     signals: int,
     order: int | None,
@@ -66,10 +76,14 @@ def observability(
     out: str,
 ) -> None:
     """Say what these sensors determine at a point of SCENARIO; exit code 0 for full rank, 1 for less."""
-    prepared = prepare(scenario, None, changes)
-    sensors = [name.strip() for name in outputs.split(",") if name.strip()]
-    question = pose(prepared, sensors, unknown, order, signals)
+    sensors = None if outputs is None else [name.strip() for name in outputs.split(",") if name.strip()]
     limit = _tolerance(tolerance)
+    if mechanism is not None:
+        if along or axes is not None or changes:
+            raise ScenarioError("--along, --map and --set are for scenarios; of a mechanism one point is looked at")
+        sys.exit(_of_mechanism(mechanism, sensors, unknown, order, signals, limit, place or "", as_json))
+    prepared = prepare(scenario, None, changes)
+    question = pose(prepared, PAPER_SENSORS if sensors is None else sensors, unknown, order, signals)
     here = answer(question, start_point(prepared) | _place(place or "", question), limit)
     names = [] if axes is None else axes.split(",")
     if axes is not None:
@@ -80,16 +94,11 @@ def observability(
     if keys:
         writable_folder(folder)
         refuse_overwriting(path for key in keys for path in _paths(folder, stem, key))
-    if as_json:
-        say(*answer_as_json(question, here, limit).split("\n"))
-    else:
-        say(summary(question, here), "")
-        print_table(answer_table(question, here))
-        say(*details(here, limit))
+    _tell(question, here, limit, as_json)
     if order is None:
         # orders beyond those that add rank at the point would only cost the compiler time
         enough = max(_LEAST_ORDER, here.verdict.ranks.index(here.verdict.rank))
-        question = pose(prepared, sensors, unknown, min(enough, question.order), signals)
+        question = pose(prepared, question.sensors, unknown, min(enough, question.order), signals)
     # JSON stands alone on its stream
     tell = complain if as_json else say
     if along:
@@ -105,6 +114,33 @@ def observability(
         tell(f"over the map, {ranks_over(data)}")
         tell(written(paths))
     sys.exit(0 if here.verdict.full else _DEFICIENT)
+
+
+def _of_mechanism(
+    mechanism: str,
+    sensors: list[str] | None,
+    unknown: str,
+    order: int | None,
+    signals: int,
+    limit: float,
+    place: str,
+    as_json: bool,
+) -> int:
+    """The answer for a mechanism at rest, and the exit code."""
+    subject = subject_of(read_mechanism(mechanism))
+    question = pose_mechanism(subject, sensors, unknown, order, signals)
+    here = answer(question, rest_point(subject, question) | _place(place, question), limit)
+    _tell(question, here, limit, as_json)
+    return 0 if here.verdict.full else _DEFICIENT
+
+
+def _tell(question: Question, here: Answer, limit: float, as_json: bool) -> None:
+    if as_json:
+        say(*answer_as_json(question, here, limit).split("\n"))
+        return
+    say(summary(question, here), "")
+    print_table(answer_table(question, here))
+    say(*details(question, here, limit))
 
 
 def _place(typed: str, question: Question) -> dict[str, float]:

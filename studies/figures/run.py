@@ -18,6 +18,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
 from ...model.arrays import Array
+from ...model.curves import by_muscle
 from ...model.curves.tendon import Tendon, tendon
 from ...model.symbols import MUSCLES, SIGNALS, STATES, hat
 from ...observers import label
@@ -71,7 +72,7 @@ def phi_s(dataset: xr.Dataset) -> Figure:
     """Φ_S over the tendon length, its regions marked; a panel per muscle if their tendons differ."""
     curves = curves_of(json.loads(dataset.attrs["choices"]))
     parameters = json.loads(dataset.attrs["parameters"])
-    tendons = {muscle: tendon(curves, muscle, parameters) for muscle in MUSCLES}
+    tendons = {muscle: tendon(by_muscle(curves)[muscle], muscle, parameters) for muscle in MUSCLES}
     if tendons[MUSCLES[0]] == tendons[MUSCLES[1]]:
         tendons = {"": tendons[MUSCLES[0]]}
     figure = Figure(figsize=(style.COLUMN * len(tendons), 2.5), layout="constrained")

@@ -66,6 +66,7 @@ class Bound:
     most: float
     below: str
     above: str
+    middle: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -232,4 +233,4 @@ def _bound(mechanism: Mechanism, name: str) -> Bound:
     least, most = joint.range
     beyond = _BEYOND * (most - least)
     why = f"{name} goes from {least:g} to {most:g} {unit}; is it in {'degrees' if unit == 'rad' else 'another unit'}?"
-    return Bound(unit, least - beyond, most + beyond, why, why)
+    return Bound(unit, least - beyond, most + beyond, why, why, (least + most) / 2)

@@ -14,7 +14,7 @@ from ...model.arrays import Array
 from ...observers.observability import TOLERANCE, decoupling_matrix, ranks_of
 from ..files.errors import ScenarioError
 from ..files.progress import Progress
-from .question import SENSORS, UNKNOWNS, Question
+from .question import Question
 
 _CHUNK = 4000
 
@@ -61,8 +61,7 @@ def rank_and_conditioning(
 
 def determinant(question: Question, points: Mapping[str, Array]) -> Array:
     """|det| of the map from (x, Δ, u) to the fewest output derivatives: Φ′²_S1 Φ′²_S2 for the paper's sensors."""
-    outputs = [SENSORS[name].output for name in question.sensors]
-    function = decoupling_matrix(question.block, outputs, UNKNOWNS[question.unknown])
+    function = decoupling_matrix(question.block, question.outputs, question.unknowns)
     if function.size1_out(0) != function.size2_out(0):
         raise ScenarioError(
             "the determinant needs as many output derivatives as coordinates: x1,F1,F2 with unknown u or a"

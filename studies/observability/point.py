@@ -11,25 +11,29 @@ import casadi as ca
 import numpy as np
 
 from ...codegen.stepper import functions
+from ...model.plant import plant
 from ...model.signals.pulses import PULSES
-from ...model.symbols import MUSCLES
 from ...observers.observability import TOLERANCE, Verdict, judge
 from ..files.errors import ScenarioError
 from ..files.numbers import number
 from ..files.quote import shown, table
+from ..laboratory.mechanisms.mechanism import Mechanism
+from ..laboratory.subject import Subject, subject_of
 from ..scenarios.layers import Value
 from ..scenarios.prepare import Prepared, prepare
 from .information import deviations
-from .question import PAPER_SENSORS, SENSORS, Question, pose
+from .question import PAPER_SENSORS, Question, pose, pose_mechanism
 
 # a step either side of the point, as a part of the typical size, and the change of O that is a kink
 _BESIDE, _KINK = 1e-6, 1e-2
 # a jump is still there this much nearer, where a steep slope has shrunk
 _NEARER = 1e-3
+# of F_max, in the tendons of a mechanism at rest
+_TENSION = 0.2
 _LIMITS = {
-    "a{}_limit": "its activation at a limit",
-    "z{}_limit": "its force factor at a limit: the activation no longer moves it",
-    "a{}_infeasible": "asking for an activation outside [0, 1]",
+    "a_limit": "its activation at a limit",
+    "z_limit": "its force factor at a limit: the activation no longer moves it",
+    "a_infeasible": "asking for an activation outside [0, 1]",
 }
 
 
@@ -42,6 +46,7 @@ class Answer:
     regions: Mapping[str, str]  # of each tendon and fibre
     kinks: Mapping[str, tuple[int, int]]  # coordinates across which O jumps: the rank below and above
     deviations: Mapping[str, float]  # smallest standard deviation within one time unit; inf: none
+    lost_as_functions: tuple[str, ...] | None  # where the unknowns change as they like; None if none is unknown
 
 
 def observability(
@@ -51,19 +56,48 @@ def observability(
     unknown: str = "none",
     order: int | None = None,
     changes: Mapping[str, Value] | None = None,
+    mechanism: str | Path | Mechanism | None = None,
 ) -> Answer:
     """What `sensors` determine at a point of a scenario: its start, with the coordinates of `place` instead.
 
     sensors: of x1, x2, F1, F2, L_C1, L_C2. unknown: "none", "u" (Δ, u1, u2) or "a" (Δ, a1, a2), as constants.
+    mechanism: instead of a scenario; its sensors are joints and muscles by name, all of them by default, and fibres
+    such as BRA.L_C; the point is at rest in the middle of its ranges, with a fifth of F_max in each tendon.
     ScenarioError for a wrong scenario, sensor, coordinate or a point outside the domain.
     """
-    prepared = prepare(source, None, changes or {})
-    question = pose(prepared, sensors, unknown, order)
+    if mechanism is not None:
+        subject = subject_of(mechanism)
+        question = pose_mechanism(subject, None if sensors == PAPER_SENSORS else sensors, unknown, order)
+        start = rest_point(subject, question)
+    else:
+        prepared = prepare(source, None, changes or {})
+        question, start = pose(prepared, sensors, unknown, order), start_point(prepared)
     valid = [*question.block.x, *question.block.u]
     coordinates = {name: number(shown(name), value) for name, value in table("place", place or {}).items()}
     if wrong := [name for name in coordinates if name not in valid]:
         raise ScenarioError(f"no coordinate {shown(wrong[0])}; there are {', '.join(valid)}")
-    return answer(question, start_point(prepared) | coordinates)
+    return answer(question, start | coordinates)
+
+
+def rest_point(subject: Subject, question: Question) -> dict[str, float]:
+    """A mechanism at rest in the middle of the ranges of its joints, with a fifth of F_max in each tendon."""
+    system = subject.system
+    point = dict.fromkeys((*question.block.x, *question.block.u), 0.0)
+    units = subject.scales.coordinates.tolist()
+    for joint, bound, unit in zip(system.joints, subject.positions.values(), units, strict=True):
+        point[system.name("q", joint)] = bound.middle / unit
+    for muscle in system.muscles:
+        tendon = question.tendon(muscle)
+        force = _TENSION * tendon.numbers["F_max"]
+        point[system.name("L_S", muscle)] = float(tendon.length(np.array([force]))[0])
+    at_rest = {**point, **dict.fromkeys(system.muscle("u"), 0.0)}
+    plain = plant(system)
+    function = ca.Function("rest", [plain.x.vector(), plain.u.vector(), plain.p.vector()], [plain.y.vector()])
+    numbers = [subject.scales.numbers.get(name, parameter.default) for name, parameter in plain.parameters.items()]
+    outputs = function([at_rest[name] for name in plain.x], [at_rest.get(name, 0.0) for name in plain.u], numbers)
+    told = dict(zip(plain.y, np.array(outputs, dtype=float).ravel().tolist(), strict=True))
+    # the activations that hold these forces
+    return {**point, **{name: told[name] for name in system.muscle("a") if name in point}}
 
 
 def start_point(prepared: Prepared) -> dict[str, float]:
@@ -96,12 +130,23 @@ def answer(question: Question, point: Mapping[str, float], tolerance: float = TO
         question.block,
         _vectors(question, point),
         question.p,
-        {SENSORS[name].output: SENSORS[name].noise for name in question.sensors},
+        {question.available[name].output: question.available[name].noise for name in question.sensors},
         question.sizes,
         question.period,
         window,
     )
-    return Answer(used, verdict, _regions(question, used, outputs), kinks, spread)
+    borrowed = _lost_as_functions(question, point, tolerance) if question.unknowns else None
+    return Answer(used, verdict, _regions(question, used, outputs), kinks, spread, borrowed)
+
+
+def _lost_as_functions(question: Question, point: Mapping[str, float], tolerance: float) -> tuple[str, ...]:
+    """The coordinates that cannot be told where the unknowns change as they like.
+
+    A constant is told by what its effect becomes later; a function of time only by its effect now.
+    """
+    free = question.with_functions()
+    lost = _verdict(free, {**dict.fromkeys(free.block.x, 0.0), **point}, tolerance).unobservable
+    return tuple(name for name in lost if name in question.coordinates)
 
 
 def _verdict(question: Question, point: Mapping[str, float], tolerance: float) -> Verdict:
@@ -113,14 +158,16 @@ def _verdict(question: Question, point: Mapping[str, float], tolerance: float) -
 def _regions(question: Question, point: Mapping[str, float], outputs: Mapping[str, float]) -> dict[str, str]:
     """Where each tendon is on its curve, and whether each fibre shortens."""
     result = {}
-    for j, muscle in enumerate(MUSCLES, start=1):
-        L, (slack, end) = point[f"x{j + 2}"], question.tendon(muscle).edges
-        result[f"tendon {j}"] = "slack" if L <= slack else "toe" if L < end else "linear"
-        u = outputs[f"u{j}"]
-        result[f"fibre {j}"] = "shortening" if u > 0 else "lengthening" if u < 0 else "isometric"
+    system = question.system
+    for j, muscle in enumerate(system.muscles, start=1):
+        called = j if system.paper else muscle
+        L, (slack, end) = point[system.name("L_S", muscle)], question.tendon(muscle).edges
+        result[f"tendon {called}"] = "slack" if L <= slack else "toe" if L < end else "linear"
+        u = outputs[system.name("u", muscle)]
+        result[f"fibre {called}"] = "shortening" if u > 0 else "lengthening" if u < 0 else "isometric"
         for limit, words in _LIMITS.items():
-            if outputs.get(f"guard.{limit.format(j)}"):
-                result[f"fibre {j}"] += f", {words}"
+            if outputs.get(f"guard.{system.name(limit, muscle)}"):
+                result[f"fibre {called}"] += f", {words}"
     return result
 
 

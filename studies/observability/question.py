@@ -1,20 +1,20 @@
-"""Which sensors, which unknowns: a question of observability with the numbers of a scenario."""
+"""Which sensors, which unknowns: a question of observability with the numbers of a scenario or a mechanism."""
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import casadi as ca
 
 from ...model.block import Block
-from ...model.curves import Curves
 from ...model.curves.tendon import Tendon, tendon
 from ...model.plant import plant
 from ...model.symbols import SIGNALS
-from ...model.system import pair_system
+from ...model.system import System, pair_system
 from ...observers.observability import (
     augmented,
     observability_matrix,
@@ -23,12 +23,13 @@ from ...observers.observability import (
 from ..files.errors import ScenarioError
 from ..files.numbers import whole
 from ..files.quote import shown
+from ..laboratory.subject import Subject
 from ..scenarios.prepare import Prepared
 
 
 @dataclass(frozen=True)
 class Sensor:
-    """What a laboratory can measure: an output of the plant, and the half-width of its noise in the paper."""
+    """What a laboratory can measure: an output of the plant, and the half-width of its noise, the paper's."""
 
     output: str
     noise: float
@@ -45,7 +46,15 @@ SENSORS = {
 }
 PAPER_SENSORS = ("x1", "F1", "F2")
 
-UNKNOWNS = {"none": (), "u": ("Delta", "u1", "u2"), "a": ("Delta", "a1", "a2")}
+# what is unknown beside the states: nothing, or Δ with the muscles' inputs
+UNKNOWNS = ("none", "u", "a")
+# of a mechanism: typical sizes of its signals, with the same relative noise as the pair
+_NOISE = 1e-3
+_SIZES = {"q": 0.1, "dq": 0.1, "L_S": 0.01, "Delta": 0.1, "u": 0.1, "a": 0.3}
+# with more coordinates each order takes three times as long: the fourth seconds, the sixth a minute
+_MANY, _ENOUGH = 10, 4
+# by Lie derivatives up to this order states and unknown functions are told, if they ever are: position, speed, Δ
+_FUNCTIONS = 2
 
 # expressions grow by 1.5 to 3 with each order; a rank that has not grown until then does not
 _HIGHEST = 10
@@ -58,17 +67,28 @@ _DERIVATIVE = re.compile(r"^d\d+")
 
 @dataclass(frozen=True, eq=False)
 class Question:
-    """Which sensors, which unknowns, how many Lie derivatives; `p` are the plant's numbers in a scenario."""
+    """Which sensors, which unknowns, how many Lie derivatives; `p` are the numbers of the plant.
 
+    available: all sensors that there are. unknowns: the inputs that are not known.
+    """
+
+    system: System
     block: Block
+    available: Mapping[str, Sensor]
     sensors: tuple[str, ...]
     unknown: str
+    unknowns: tuple[str, ...]
     order: int
     matrix: ca.Function
     structural_rank: int
     p: tuple[float, ...]
     period: float
-    curves: Curves
+    units: str = ""  # what the numbers of a mechanism are counted in; those of a scenario are dimensionless
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """What the sensors measure, by the plant's names."""
+        return tuple(self.available[name].output for name in self.sensors)
 
     @property
     def coordinates(self) -> list[str]:
@@ -77,12 +97,21 @@ class Question:
 
     def tendon(self, muscle: str) -> Tendon:
         """The tendon of a muscle."""
-        return tendon(self.curves, muscle, dict(zip(self.block.p, self.p, strict=True)))
+        return tendon(self.system.curves[muscle], muscle, dict(zip(self.block.p, self.p, strict=True)))
 
     @property
     def sizes(self) -> dict[str, float]:
         """The typical size of each coordinate; a derivative's is that of its signal."""
-        return {name: SIGNALS[_DERIVATIVE.sub("", name)].size for name in self.coordinates}
+        return {name: self._size(_DERIVATIVE.sub("", name)) for name in self.coordinates}
+
+    def with_functions(self) -> Question:
+        """The same question where the unknowns are any functions of time, not constants."""
+        block = _plant(self.system, self.unknown, self.unknowns, _FUNCTIONS - 1)
+        matrix, rank = _matrix(block, self.outputs, _FUNCTIONS)
+        return dataclasses.replace(self, block=block, order=_FUNCTIONS, matrix=matrix, structural_rank=rank)
+
+    def _size(self, signal: str) -> float:
+        return SIGNALS[signal].size if self.system.paper else _SIZES[signal.rpartition(".")[2]]
 
 
 def pose(
@@ -97,38 +126,77 @@ def pose(
     order: highest Lie derivative, n − 1 by default. derivatives: 0 for constant unknowns, else the unknowns are
     signals and their derivatives up to this order are coordinates too.
     """
+    system = pair_system(prepared.scenario.curves)
+    period = prepared.value("noise.period") or _PERIOD
+
+    def numbers(block: Block) -> tuple[float, ...]:
+        return _numbers(block, prepared)
+
+    return _question(system, SENSORS, sensors, unknown, order, derivatives, numbers, period)
+
+
+def pose_mechanism(
+    subject: Subject,
+    sensors: Sequence[str] | None = None,
+    unknown: str = "none",
+    order: int | None = None,
+    derivatives: int = 0,
+) -> Question:
+    """The same of a mechanism; its sensors are joints, muscles (their forces) and fibres, such as BRA.L_C.
+
+    sensors: by default all joints and all muscles.
+    """
+    system = subject.system
+    available = {
+        **{joint: Sensor(system.name("q", joint), _NOISE, f"position of {joint}") for joint in system.joints},
+        **{muscle: Sensor(system.name("Phi_S", muscle), _NOISE, f"force of {muscle}") for muscle in system.muscles},
+        **{name: Sensor(name, _NOISE, f"fibre length {name}") for name in system.muscle("L_C")},
+    }
+
+    def numbers(block: Block) -> tuple[float, ...]:
+        given = subject.scales.numbers
+        return tuple(given.get(name, parameter.default) for name, parameter in block.parameters.items())
+
+    usual = [*system.joints, *system.muscles]
+    scales = subject.scales
+    period = _PERIOD * scales.rate
+    units = f"lengths in {scales.length:.4g} m, forces in {scales.force:.4g} N, times in {1 / scales.rate:.4g} s"
+    question = _question(
+        system, available, usual if sensors is None else sensors, unknown, order, derivatives, numbers, period
+    )
+    return dataclasses.replace(question, units=units)
+
+
+def _question(
+    system: System,
+    available: Mapping[str, Sensor],
+    sensors: Sequence[str],
+    unknown: str,
+    order: int | None,
+    derivatives: int,
+    numbers: Callable[[Block], tuple[float, ...]],
+    period: float,
+) -> Question:
     if not sensors:
-        raise ScenarioError(f"without a sensor nothing can be observed; there are {', '.join(SENSORS)}")
+        raise ScenarioError(f"without a sensor nothing can be observed; there are {', '.join(available)}")
     for name in sensors:
-        if name not in SENSORS:
-            raise ScenarioError(f"unknown sensor {shown(name)}; there are {', '.join(SENSORS)}")
+        if name not in available:
+            raise ScenarioError(f"unknown sensor {shown(name)}; there are {', '.join(available)}")
     if unknown not in UNKNOWNS:
         raise ScenarioError(f"unknown inputs {shown(unknown)}; there are {', '.join(UNKNOWNS)}")
     derivatives = whole("the derivatives of the unknowns", derivatives, 0, _HIGHEST)
-    block = _plant(unknown, prepared.scenario.curves, derivatives)
-    usual = min(len(block.x) - 1, _HIGHEST)
+    unknowns = () if unknown == "none" else (*system.joint("Delta"), *system.muscle(unknown))
+    block = _plant(system, unknown, unknowns, derivatives)
+    usual = min(len(block.x) - 1, _ENOUGH if len(block.x) > _MANY and not system.paper else _HIGHEST)
     order = usual if order is None else whole("the order of the Lie derivatives", order, 0, _HIGHEST)
-    outputs = tuple(SENSORS[name].output for name in dict.fromkeys(sensors))
-    matrix, rank = _matrix(block, outputs, order)
-    period = prepared.value("noise.period") or _PERIOD
-    return Question(
-        block,
-        tuple(dict.fromkeys(sensors)),
-        unknown,
-        order,
-        matrix,
-        rank,
-        _numbers(block, prepared),
-        period,
-        prepared.scenario.curves,
-    )
+    chosen = tuple(dict.fromkeys(sensors))
+    matrix, rank = _matrix(block, tuple(available[name].output for name in chosen), order)
+    return Question(system, block, available, chosen, unknown, unknowns, order, matrix, rank, numbers(block), period)
 
 
 @functools.cache
-def _plant(unknown: str, curves: Curves, derivatives: int) -> Block:
-    return augmented(
-        plant(pair_system(curves), "given" if unknown == "a" else "virtual"), UNKNOWNS[unknown], derivatives
-    )
+def _plant(system: System, unknown: str, unknowns: tuple[str, ...], derivatives: int) -> Block:
+    return augmented(plant(system, "given" if unknown == "a" else "virtual"), unknowns, derivatives)
 
 
 @functools.cache

@@ -112,13 +112,11 @@ def assemble(
 
 
 def _check_force_factors(prepared: Prepared) -> None:
-    if "plant.z_max" not in prepared.loop.truth.p:
-        return
-    z_max = prepared.value("plant.z_max")
-    for path in (f"{muscle}.g_max" for muscle in MUSCLES):
-        if path in prepared.loop.truth.p and z_max >= prepared.value(path):
+    for muscle in MUSCLES:
+        limit, pole = f"{muscle}.z_max", f"{muscle}.g_max"
+        if {limit, pole} <= set(prepared.loop.truth.p) and prepared.value(limit) >= prepared.value(pole):
             raise ScenarioError(
-                f"plant.z_max = {z_max:g} must be below {path} = {prepared.value(path):g}, the pole of g⁻¹"
+                f"{limit} = {prepared.value(limit):g} must be below {pole} = {prepared.value(pole):g}, the pole of g⁻¹"
             )
 
 

@@ -79,7 +79,8 @@ def tables(prepared: Prepared) -> str:
                 ["question", *conditions], [*_rank_rows(questions, conditions), *_signal_rows(prepared, conditions)]
             ),
             _markdown(
-                ["sensors", "Δ, u unknown", "… tendon 1 slack", "Δ, a unknown"], _sensor_rows(prepared, conditions)
+                ["sensors", "Δ, u unknown", "… tendon 1 slack", "Δ, a unknown", "Δ, u as functions of time"],
+                _sensor_rows(prepared, conditions),
             ),
             _markdown(
                 ["σ within 1 time unit", *questions["u"].coordinates], _accuracy_rows(questions["u"], conditions)
@@ -116,6 +117,8 @@ def _rank_rows(
         yield ["… with Lie derivatives up to order 0, 1, 2, 3", *(_by_order(answer) for answer in answers)]
         yield ["… unobservable", *(", ".join(answer.verdict.unobservable) or "–" for answer in answers)]
         yield ["… structural rank", *([str(question.structural_rank)] * len(answers))]
+        if question.unknowns:
+            yield ["… as functions of time", *(_as_functions(answer) for answer in answers)]
 
 
 def _signal_rows(prepared: Prepared, conditions: Mapping[str, Mapping[str, float]]) -> Iterator[Sequence[str]]:
@@ -134,7 +137,11 @@ def _sensor_rows(prepared: Prepared, conditions: Mapping[str, Mapping[str, float
         u, a = (pose(prepared, sensors, unknown) for unknown in ("u", "a"))
         places = ((u, "both taut"), (u, "tendon 1 slack"), (a, "both taut"))
         answers = [answer(question, conditions[place]) for question, place in places]
-        yield [", ".join(sensors), *(_verdict(answer) for answer in answers)]
+        yield [", ".join(sensors), *(_verdict(answer) for answer in answers), _as_functions(answers[0])]
+
+
+def _as_functions(answer: Answer) -> str:
+    return f"lost: {', '.join(answer.lost_as_functions)}" if answer.lost_as_functions else "all"
 
 
 def _verdict(answer: Answer) -> str:

@@ -4,22 +4,21 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 import xarray as xr
 from rich.table import Table
 from rich.text import Text
 
+from ....observers.observability import Verdict
 from ...observability.point import Answer
 from ...observability.question import Question
 from .number import counted, number
 
-SCALING = "columns × typical size (0.01 for x, Δ, u; 0.5 for a1, 0.1 for a2), rows normalised, zero rows stay zero"
-_INPUTS = {
-    "none": "inputs and uncertainty known",
-    "u": "Δ, u1, u2 unknown",
-    "a": "Δ, a1, a2 unknown",
+_SIZES = {
+    True: "0.01 for x, Δ, u; 0.5 for a1, 0.1 for a2",
+    False: "0.1 for q, dq, Δ, u; 0.01 for L_S, 0.3 for a",
 }
 
 
@@ -28,9 +27,18 @@ def summary(question: Question, answer: Answer) -> str:
     verdict = answer.verdict
     state = "observable" if verdict.full else f"not observable: {', '.join(verdict.unobservable)}"
     return (
-        f"sensors {', '.join(question.sensors)}; {_INPUTS[question.unknown]}: "
+        f"sensors {', '.join(question.sensors)}; {_inputs(question)}: "
         f"rank {verdict.rank} of {len(verdict.coordinates)}, {state} (structural rank {question.structural_rank})"
     )
+
+
+def _inputs(question: Question) -> str:
+    if not question.unknowns:
+        return "inputs and uncertainty known"
+    if question.system.paper:
+        return f"{', '.join(question.unknowns).replace('Delta', 'Δ')} unknown"
+    joints, muscles = (", ".join(names) for names in (question.system.joints, question.system.muscles))
+    return f"Δ of {joints} and {question.unknown} of {muscles} unknown"
 
 
 def answer_table(question: Question, answer: Answer) -> Table:
@@ -46,13 +54,26 @@ def answer_table(question: Question, answer: Answer) -> Table:
     return table
 
 
-def details(answer: Answer, tolerance: float) -> Iterator[str]:
+def _scaling(question: Question) -> str:
+    return f"columns × typical size ({_SIZES[question.system.paper]}), rows normalised, zero rows stay zero"
+
+
+def _as_functions(lost: Sequence[str]) -> str:
+    """Ranks are those of constants, which borrow from the future."""
+    if lost:
+        return f"as functions of time, not constants: not determined {', '.join(lost)}"
+    return "as functions of time, not constants: all are determined"
+
+
+def details(question: Question, answer: Answer, tolerance: float) -> Iterator[str]:
     """Sentences: order by order, singular values, null directions, regions, kinks."""
     verdict = answer.verdict
+    if question.units:
+        yield f"units: {question.units}, angles in rad"
     by_order = ", ".join(map(str, verdict.ranks))
-    yield f"rank with Lie derivatives up to order 0, 1, …: {by_order}{_growth(verdict.ranks)}"
+    yield f"rank with Lie derivatives up to order 0, 1, …: {by_order}{_growth(verdict)}"
     yield f"singular values: {', '.join(f'{value:.2g}' for value in verdict.singular_values)}"
-    yield f"  ({SCALING}; zero below {tolerance:g} of the largest)"
+    yield f"  ({_scaling(question)}; zero below {tolerance:g} of the largest)"
     for direction in verdict.null_directions:
         yield f"moves without a trace: {_direction(direction)}"
     yield "; ".join(f"{part}: {words}" for part, words in answer.regions.items())
@@ -60,6 +81,8 @@ def details(answer: Answer, tolerance: float) -> Iterator[str]:
         sides = f"rank {below} below, {above} above" if below != above else f"rank {below} on both sides"
         where = f"{name} = {answer.point[name]:.6g}"
         yield f"warning: the derivatives jump at {where} ({sides}); the lower one is shown"
+    if answer.lost_as_functions is not None:
+        yield _as_functions(answer.lost_as_functions)
     if any(math.isnan(deviation) for deviation in answer.deviations.values()):
         yield "σ is unknown: the motion from here is too fast, or grows too large, to be computed"
     later = [name for name in verdict.unobservable if math.isfinite(answer.deviations[name])]
@@ -83,9 +106,10 @@ def answer_as_json(question: Question, answer: Answer, tolerance: float) -> str:
         "unknown": question.unknown,
         "order": question.order,
         "tolerance": tolerance,
-        "scaling": SCALING,
+        "scaling": _scaling(question),
         "point": dict(answer.point),
         "regions": dict(answer.regions),
+        "lost_as_functions": None if answer.lost_as_functions is None else list(answer.lost_as_functions),
         "kinks": {name: list(sides) for name, sides in answer.kinks.items()},
         "deviations": {name: value if math.isfinite(value) else None for name, value in answer.deviations.items()},
     }
@@ -106,9 +130,11 @@ def ranks_over(data: xr.Dataset) -> str:
     return "rank " + ", ".join(f"{rank} on {share:.0%}" for rank, share in shares)
 
 
-def _growth(ranks: tuple[int, ...]) -> str:
-    idle = len(ranks) - 1 - ranks.index(ranks[-1])
-    return f"; it did not grow for {counted(idle, 'more order')}" if idle else ""
+def _growth(verdict: Verdict) -> str:
+    idle = len(verdict.ranks) - 1 - verdict.ranks.index(verdict.rank)
+    if idle:
+        return f"; it did not grow for {counted(idle, 'more order')}"
+    return "" if verdict.full else "; a higher --order may add to it"
 
 
 def _direction(direction: Mapping[str, float]) -> str:

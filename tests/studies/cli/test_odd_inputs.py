@@ -22,6 +22,9 @@ COMMANDS: dict[str, list[str]] = {
     "gzipped recording": ["estimate", "INPUT.csv.gz", "--muscles", "pair.toml"],
     "muscles": ["estimate", "short.csv", "--muscles", "INPUT.toml"],
     "mapping": ["estimate", "short.csv", "--muscles", "pair.toml", "--map", "INPUT.toml"],
+    "model": ["import", "INPUT.osim", "--out", "arm.toml"],
+    "mechanism": ["estimate", "short.csv", "--mechanism", "INPUT.toml"],
+    "mechanism of a question": ["observability", "--mechanism", "INPUT.toml"],
     "curves": ["estimate", "short.csv", "--muscles", "curves.toml"],
 }
 

@@ -50,5 +50,7 @@ def test_a_pulse_that_ends_before_it_begins_is_refused() -> None:
 @pytest.mark.parametrize("value", [1.5, 2.0])
 def test_a_force_factor_at_the_pole_is_refused(value: float) -> None:
     """g⁻¹ has its pole at g_max = 1.5; beyond it a muscle that lengthens comes out as one that shortens."""
-    with pytest.raises(ScenarioError, match=r"z_max|g_max"):
-        prepare("activation", None, {"plant.z_max": value})
+    with pytest.raises(ScenarioError, match=r"^muscle1\.z_max = .*the pole of g⁻¹$"):
+        prepare("activation", None, {"muscle.z_max": value})
+    with pytest.raises(ScenarioError, match=r"^muscle2\.z_max = .*the pole of g⁻¹$"):
+        prepare("activation", None, {"muscle2.z_max": value})

@@ -57,7 +57,7 @@ REACHED = {
 WITHOUT_EFFECT = {
     f"baseline.{name}"
     for name in ("u_low", "u_high", *(f"muscle{j}.{constant}" for j in ("", 1, 2) for constant in ("A_hill", "g_max")))
-}
+} | {"muscle2.z_max"}  # muscle 2 only shortens here; the next test turns the motion round
 
 
 def another(path: str, own: float) -> float:
@@ -126,6 +126,12 @@ def test_every_parameter_of_every_block_reaches_the_run(drive: str) -> None:
             assert same(other, alone({**changes, **dict.fromkeys(table.expand(path), values[path])})), path
 
 
+@pytest.mark.parametrize("drive", [drive for drive in DRIVES if drive != "virtual"])
+def test_the_force_limit_of_muscle_2_reaches_a_run_in_which_it_lengthens(drive: str) -> None:
+    changes = {**ACTIVE, "plant.drive": drive, "initial.x2": -0.3}
+    assert not same(alone(changes), alone({**changes, "muscle2.z_max": REACHED["z_max"]}))
+
+
 def test_no_parameter_is_forgotten() -> None:
     """All paths of the table are numbers of the run itself, or of a Block with one of the drives."""
     found = set(RUN)
@@ -183,8 +189,8 @@ def test_numbers_that_do_not_limit_each_other_are_checked_apart() -> None:
     assert plan("paper-clean", over, 1, "high_gain").runs == 10**6
     with pytest.raises(ScenarioError, match=r"^at duration = 0\.1234: duration = 0\.1234 must be a whole multiple"):
         plan("paper-clean", {**over, "duration": [0.1, 0.1234]}, 1, "high_gain")
-    over = {"muscle.k": [19.0, 20.0], "muscle1.g_max": [1.4, 1.2], "plant.z_max": [1.1, 1.3]}
-    with pytest.raises(ScenarioError, match=r"^at muscle1\.g_max = 1\.2, plant\.z_max = 1\.3: plant\.z_max"):
+    over = {"muscle.k": [19.0, 20.0], "muscle1.g_max": [1.4, 1.2], "muscle.z_max": [1.1, 1.3]}
+    with pytest.raises(ScenarioError, match=r"^at muscle1\.g_max = 1\.2, muscle\.z_max = 1\.3: muscle1\.z_max"):
         plan("paper-clean", over, 1, None, {"plant.drive": "requested"})
 
 
