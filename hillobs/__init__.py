@@ -1,8 +1,9 @@
-"""Observers for a pair of Hill muscles: states, unknown inputs and activations from a position and two forces.
+"""Observers for Hill muscles: states, unknown inputs and activations from positions and tendon forces.
 
     run = hillobs.simulate("paper-noisy")                       # one scenario, all observers
     errors = hillobs.sweep("paper-noisy", {"high_gain.eps_h": [0.05, 0.1, 0.2]}, seeds=16)
     estimates = hillobs.estimate("run.csv", "pair.toml")         # from a recording, in SI
+    estimates = hillobs.estimate("arm.sto", "arm.toml")          # of joints and any number of muscles
     hillobs.observability(place={"x3": 1.99}).verdict            # can these sensors see this state?
 
 Results are xarray.Datasets. Your own observer is a `Block`; `conformance(block)` says what is wrong with one.
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
     from .codegen.cache import BuildError, CacheWarning
     from .model.block import Block, BlockError, Parameter, Symbols, symbols
     from .model.errors import Error
+    from .model.skeleton.paths import Path, constant_moment_arms, polynomial
+    from .model.skeleton.tree import Joint, Link, Tree, TreeError
     from .studies.conformance import conformance
     from .studies.estimate.fit import fit
     from .studies.estimate.run import estimate
@@ -25,6 +28,8 @@ if TYPE_CHECKING:
     from .studies.files.datasets.netcdf import load
     from .studies.files.errors import ClusterError, RecordingError, ResultError, ScenarioError
     from .studies.files.versions import __version__
+    from .studies.laboratory.mechanisms.mechanism import Mechanism
+    from .studies.laboratory.mechanisms.reading import read_mechanism
     from .studies.laboratory.muscles import Muscle, MusclePair, read_muscles
     from .studies.laboratory.recording import Recording, read_recording
     from .studies.observability.point import observability
@@ -39,6 +44,8 @@ _NAMES = {
     ".codegen.cache": ("BuildError", "CacheWarning"),
     ".model.block": ("Block", "BlockError", "Parameter", "Symbols", "symbols"),
     ".model.errors": ("Error",),
+    ".model.skeleton.paths": ("Path", "constant_moment_arms", "polynomial"),
+    ".model.skeleton.tree": ("Joint", "Link", "Tree", "TreeError"),
     ".studies.conformance": ("conformance",),
     ".studies.estimate.fit": ("fit",),
     ".studies.estimate.run": ("estimate",),
@@ -46,6 +53,8 @@ _NAMES = {
     ".studies.files.errors": ("ClusterError", "RecordingError", "ResultError", "ScenarioError"),
     ".studies.files.datasets.netcdf": ("load",),
     ".studies.files.versions": ("__version__",),
+    ".studies.laboratory.mechanisms.mechanism": ("Mechanism",),
+    ".studies.laboratory.mechanisms.reading": ("read_mechanism",),
     ".studies.laboratory.muscles": ("Muscle", "MusclePair", "read_muscles"),
     ".studies.laboratory.recording": ("Recording", "read_recording"),
     ".studies.observability.point": ("observability",),
@@ -80,9 +89,13 @@ __all__ = [
     "ClusterError",
     "ClusterWarning",
     "Error",
+    "Joint",
+    "Link",
+    "Mechanism",
     "Muscle",
     "MusclePair",
     "Parameter",
+    "Path",
     "Range",
     "Recording",
     "RecordingError",
@@ -91,13 +104,18 @@ __all__ = [
     "ScenarioError",
     "SweepWarning",
     "Symbols",
+    "Tree",
+    "TreeError",
     "__version__",
     "arguments",
     "conformance",
+    "constant_moment_arms",
     "estimate",
     "fit",
     "load",
     "observability",
+    "polynomial",
+    "read_mechanism",
     "read_muscles",
     "read_recording",
     "simulate",

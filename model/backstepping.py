@@ -7,7 +7,7 @@ import casadi as ca
 from .block import Block, Parameter, Symbols, symbols
 from .curves import NGUYEN2019, Curves, by_muscle, tendon_parameters
 from .dialect import clamp, outside
-from .skeleton import MASS
+from .skeleton.load import MASS
 from .symbols import MUSCLES
 
 _PAPER = "paper, §V"

@@ -5,16 +5,17 @@ from __future__ import annotations
 from dataclasses import replace
 
 from .backstepping import backstepping
-from .block import Block
+from .block import Block, Symbols
 from .curves import NGUYEN2019, Curves
 from .limits import limits
-from .pair import pair
+from .plant import plant as plant_of
 from .sensors import SENSED
 from .signals.activations import given_activations
 from .signals.pulses import PULSES, pulses
 from .signals.reference import reference
 from .signals.uncertainty import uncertainty
 from .symbols import QUANTITIES, STATES
+from .system import pair_system
 from .wiring import rename, wire
 
 TAUT = ("taut1", "taut2")
@@ -28,7 +29,8 @@ def closed_loop(drive: str = "virtual", curves: Curves = NGUYEN2019, controller:
 
     Inputs: t and the held gates of the pulses. With the drive `given` there is no controller.
     """
-    plant = pair(drive, curves)
+    system = pair_system(curves)
+    plant = plant_of(system, drive)
     parts = [uncertainty(), plant]
     connections: dict[str, str | float] = {
         "uncertainty.t": "t",
@@ -56,7 +58,8 @@ def closed_loop(drive: str = "virtual", curves: Curves = NGUYEN2019, controller:
         }
     wired = wire("truth", parts, connections, {"t": "t", **dict.fromkeys(held, "held")})
     truth = rename(wired, "truth", _names(wired), outputs)
-    return replace(truth, limits=limits([*truth.x, *truth.y], truth.p["plant.C"]))
+    numbers = Symbols({"C": truth.p["plant.C"]})
+    return replace(truth, limits=limits(system, [*truth.x, *truth.y], numbers))
 
 
 def _names(wired: Block) -> dict[str, str]:

@@ -7,6 +7,7 @@ import casadi as ca
 from .block import Block, Parameter, Parameters, Symbols, symbols
 from .curves import CurveSet
 from .dialect import clamp, outside
+from .fibre import PENNATION, along_fibres
 
 ACTIVATION_LIMITS: Parameters = {
     "a_min": Parameter(
@@ -18,30 +19,37 @@ ACTIVATION_LIMITS: Parameters = {
 }
 
 
-def _muscle(curves: CurveSet, drive: Symbols, extra: Parameters) -> tuple[Symbols, Symbols, Symbols, Parameters]:
-    parameters = {**curves.parameters, **extra}
+def _muscle(
+    curves: CurveSet, oblique: bool, drive: Symbols, extra: Parameters
+) -> tuple[Symbols, Symbols, Symbols, Parameters]:
+    parameters = {**curves.parameters, **({"pennation": PENNATION} if oblique else {}), **extra}
     return symbols("L_S"), Symbols({**symbols("L_m dL_m"), **drive}), symbols(parameters), parameters
 
 
-def virtual_muscle(curves: CurveSet) -> Block:
-    """Driven by u. Inputs L_m, dL_m (length and its rate), u; outputs Phi_S, L_C, u, a, taut."""
-    x, u, p, parameters = _muscle(curves, symbols("u"), {})
-    L_C = u.L_m - x.L_S
+def virtual_muscle(curves: CurveSet, oblique: bool = False) -> Block:
+    """Driven by u. Inputs L_m, dL_m (length and its rate), u; outputs Phi_S, L_C, u, a, taut.
+
+    oblique: its fibres are at an angle to the tendon, by the parameter pennation.
+    """
+    x, u, p, parameters = _muscle(curves, oblique, symbols("u"), {})
     Phi_S = curves.Phi_S(x.L_S, p)
-    a = curves.activation(Phi_S, L_C, u.u, p)
+    force, L_C, shortening = along_fibres(Phi_S, u.L_m, x.L_S, u.u, p)
+    a = curves.activation(force, L_C, shortening, p)
     # L̇_S = L̇_m + u   [lsdot1], [lsdot2]
     return _block(
         x, u, p, parameters, Phi_S, L_C, drive=u.u, a=a, guards=Symbols(a_infeasible=(Phi_S > 0) * outside(a, 0, 1))
     )
 
 
-def activated_muscle(curves: CurveSet) -> Block:
+def activated_muscle(curves: CurveSet, oblique: bool = False) -> Block:
     """Driven by the activation a, limited to [a_min, 1]. Inputs L_m, dL_m, a; outputs as those of `virtual_muscle`."""
-    x, u, p, parameters = _muscle(curves, symbols("a"), ACTIVATION_LIMITS)
+    x, u, p, parameters = _muscle(curves, oblique, symbols("a"), ACTIVATION_LIMITS)
     a = clamp(u.a, p.a_min, 1)
-    L_C = u.L_m - x.L_S
     Phi_S = curves.Phi_S(x.L_S, p)
-    drive, z_limit = curves.velocity(Phi_S, L_C, a, p, p.z_max)
+    force, L_C, share = along_fibres(Phi_S, u.L_m, x.L_S, ca.SX(1), p)
+    shortening, z_limit = curves.velocity(force, L_C, a, p, p.z_max)
+    # L_m − L_S shrinks with u, the fibre with u cos α
+    drive = shortening / share
     guards = Symbols(a_limit=outside(u.a, p.a_min, 1), z_limit=z_limit)
     return _block(x, u, p, parameters, Phi_S, L_C, drive=drive, a=a, guards=guards)
 

@@ -73,7 +73,8 @@ def many(block: Block, names: Iterable[str]) -> list[Block]:
 def rename(block: Block, name: str, names: Mapping[str, str], outputs: Iterable[str] | None = None) -> Block:
     """`block` as `name`, its states, outputs and parameters renamed by `names` (old → new).
 
-    Parameters that get the same new name become one. If `outputs` (new names) is given, only these remain, in order.
+    Parameters that get the same new name become one, and guards one that is 1 where any of them is. If `outputs` (new
+    names) is given, only these remain, in order.
     """
     known = [*block.x, *block.y, *block.p, *block.guards, *block.domain]
     _check_names("name", names, dict.fromkeys(known))
@@ -99,7 +100,11 @@ def rename(block: Block, name: str, names: Mapping[str, str], outputs: Iterable[
         y = Symbols({key: y[key] for key in outputs})
     x, limits = renamed(block.x), renamed(block.limits)
     limits = limits.only(key for key in limits if key in x or key in y)
-    return block.rewritten(renamed, name=name, x=x, p=p, parameters=parameters, y=y, limits=limits)
+    guards = Symbols()
+    for key, guard in block.guards.items():
+        guards[new(key)] = ca.fmax(guards[new(key)], guard) if new(key) in guards else guard
+    guards = _substitute(guards, merged)
+    return block.rewritten(renamed, name=name, x=x, p=p, parameters=parameters, y=y, guards=guards, limits=limits)
 
 
 def _fresh(block: Block, name: str) -> Block:

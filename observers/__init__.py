@@ -1,4 +1,4 @@
-"""What can be known about the pair: the registry of observers. A new one is its file and one line here."""
+"""What can be known about joints and muscles: the registry of observers. A new one is its file and one line here."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from dataclasses import replace
 import casadi as ca
 
 from ..model.block import Block, BlockError, Symbols, symbols
-from ..model.curves import NGUYEN2019, Curves, tendon_parameters
 from ..model.limits import limits
-from ..model.skeleton import LENGTH
 from ..model.symbols import hat
+from ..model.system import PAIR as THE_PAIR
+from ..model.system import System
 from ..model.wiring import rename, wire
 from .adaptive_sliding_mode import ADAPTIVE_SLIDING_MODE
 from .baseline import baseline
@@ -23,9 +23,9 @@ from .high_gain_3 import HIGH_GAIN_3
 from .kalman.constant import KALMAN_CONSTANT
 from .kalman.filter import KALMAN
 from .observer import Observer
-from .ports import ESTIMATES, INPUTS
+from .ports import ESTIMATES, inputs
 from .sliding_mode import SLIDING_MODE
-from .slopes import SLOPES, tendon_slopes
+from .slopes import slopes_of, tendon_slopes
 from .tendons import tendons
 
 # figures choose their lines in this order: append new ones
@@ -46,45 +46,43 @@ def label(name: str) -> str:
     return OBSERVERS[name].label if name in OBSERVERS else name
 
 
-_ACTIVATIONS = ("a1_hat", "a2_hat")
-# the length that bounds the estimates of every observer
-_DOMAIN = Block("domain", p=symbols("C"), parameters={"C": LENGTH})
-
-
-def estimator(observer: Block, curves: Curves = NGUYEN2019, activations: bool = True) -> Block:
-    """`observer` with what it needs in front of it and what follows from its estimates behind it.
+def estimator(observer: Block, system: System = THE_PAIR, activations: bool = True) -> Block:
+    """`observer` of a system with what it needs in front of it and what follows from its estimates behind it.
 
     In front are the slopes of the tendons, if it asks for them; behind are the activations, unless it estimates them
     itself, and standard deviations, if it tells covariances. Without `activations` nobody asks for what is behind.
     Refuses a Block without the observer's ports (BlockError).
     """
-    _refuse_ports(observer)
-    front = [tendon_slopes(curves)] if any(name in SLOPES for name in observer.u) else []
-    behind = _behind(observer, curves) if activations else []
-    for part in (*front, *behind, tendons(curves), _DOMAIN):
+    _refuse_ports(observer, system)
+    slopes, domain = slopes_of(system), system.length_parameters
+    front = [tendon_slopes(system)] if any(name in slopes for name in observer.u) else []
+    behind = _behind(observer, system) if activations else []
+    # what bounds the estimates of every observer
+    bound = Block("domain", p=symbols(domain), parameters=domain)
+    for part in (*front, *behind, tendons(system), bound):
         _refuse_clashes(observer, part)
-    connections = {f"{observer.name}.{port}": f"slopes.{port}" if port in SLOPES else port for port in observer.u}
+    connections = {f"{observer.name}.{port}": f"slopes.{port}" if port in slopes else port for port in observer.u}
     connections |= {f"{part.name}.{port}": port for part in front for port in part.u}
     connections |= {f"{part.name}.{port}": f"{observer.name}.{port}" for part in behind for port in part.u}
-    ports = dict.fromkeys(source for source in connections.values() if source in INPUTS)
+    ports = dict.fromkeys(source for source in connections.values() if source in inputs(system))
     external = {port: "t" if port == "t" else "held" if port in observer.held else "staged" for port in ports}
     wired = wire(observer.name, [*front, observer, *behind], connections, external)
     names = [*wired.x, *wired.y, *wired.p, *wired.guards, *wired.domain]
     told = [key.partition(".")[2] for key in wired.y]
-    outputs = [*ESTIMATES, *(name for name in (*_ACTIVATIONS, *SPREADS) if activations and name in told)]
+    beside = [*map(hat, system.muscle("a")), *SPREADS] if activations else []
+    outputs = [*system.estimates, *(name for name in beside if name in told)]
     whole = rename(wired, observer.name, {key: key.partition(".")[2] for key in names}, outputs)
-    # its own numbers of the tendons that tell it L_S1 and L_S2, and of the domain that its estimates lie in
-    parameters = {**whole.parameters, **tendon_parameters(curves), "C": LENGTH}
+    # its own numbers of the tendons that tell it lengths, and of the domain that its estimates lie in
+    parameters = {**whole.parameters, **system.tendon_parameters, **domain}
     p = Symbols({name: whole.p.get(name, ca.SX.sym(name)) for name in parameters})
-    return replace(
-        whole, parameters=parameters, p=p, limits=Symbols({**limits([*whole.x, *whole.y], p.C), **whole.limits})
-    )
+    bounds = Symbols({**limits(system, [*whole.x, *whole.y], p), **whole.limits})
+    return replace(whole, parameters=parameters, p=p, limits=bounds)
 
 
-def _refuse_ports(observer: Block) -> None:
-    if wrong := [name for name in observer.u if name not in INPUTS]:
-        raise BlockError(f"{observer.name}: an observer sees {', '.join(INPUTS)} only, not {', '.join(wrong)}")
-    if missing := [name for name in ESTIMATES if name not in observer.y]:
+def _refuse_ports(observer: Block, system: System) -> None:
+    if wrong := [name for name in observer.u if name not in inputs(system)]:
+        raise BlockError(f"{observer.name}: an observer sees {', '.join(inputs(system))} only, not {', '.join(wrong)}")
+    if missing := [name for name in system.estimates if name not in observer.y]:
         raise BlockError(f"{observer.name}: an observer must estimate {', '.join(missing)} as well")
     if odd := [name for name in observer.x if not all(part.isidentifier() for part in name.split("."))]:
         raise BlockError(
@@ -92,16 +90,17 @@ def _refuse_ports(observer: Block) -> None:
         )
 
 
-def _behind(observer: Block, curves: Curves) -> list[Block]:
+def _behind(observer: Block, system: System) -> list[Block]:
     """What follows from the estimates of `observer`."""
-    estimated = [name for name in _ACTIVATIONS if name in observer.y]
-    if len(estimated) == 1:
-        other = next(name for name in _ACTIVATIONS if name not in estimated)
+    activations = [hat(name) for name in system.muscle("a")]
+    estimated = [name for name in activations if name in observer.y]
+    if estimated and estimated != activations:
+        other = next(name for name in activations if name not in estimated)
         raise BlockError(f"{observer.name}: it estimates {estimated[0]}, so it must estimate {other} as well")
     if estimated:
         return []
     sure = all(name in observer.y for name in COVARIANCES)
-    return [activation_estimate(curves), *([spread(curves)] if sure else [])]
+    return [activation_estimate(system), *([spread(system)] if sure else [])]
 
 
 def _refuse_clashes(observer: Block, part: Block) -> None:
@@ -121,14 +120,14 @@ def _refuse_clashes(observer: Block, part: Block) -> None:
 
 # the slow part of whatever runs observers; a user's own changes while the others stay
 @functools.lru_cache(maxsize=64)
-def estimator_of(observer: Observer, corrected: bool, curves: Curves = NGUYEN2019, activations: bool = True) -> Block:
+def estimator_of(observer: Observer, corrected: bool, system: System = THE_PAIR, activations: bool = True) -> Block:
     """The estimator of `observer`, its layers `corrected` or not."""
-    return estimator(observer.block(corrected), curves, activations)
+    return estimator(observer.block(corrected, system), system, activations)
 
 
-def baseline_estimator(curves: Curves = NGUYEN2019, activations: bool = True) -> Block:
+def baseline_estimator(system: System = THE_PAIR, activations: bool = True) -> Block:
     """The trivial baseline, wired like an observer."""
-    return estimator(baseline(), curves, activations)
+    return estimator(baseline(), system, activations)
 
 
 __all__ = [

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 
 import casadi as ca
 
 from ..model.block import Block, Parameter, Symbols, symbols
 from ..model.dialect import clamp, dead_zone, no_higher, no_lower, root, sg
 from ..model.limits import STABLE
-from ..model.skeleton import MASS
+from ..model.skeleton.load import MASS
+from .chained import OF_JOINT, OF_MUSCLE, START, START_OF_JOINT, START_OF_MUSCLE, Chains, chain
 from .conditions import Condition, above, between, equal, positive
-from .layers import SLOPE, correction_rates, layers, layers_corrected
+from .layers import CORRECTION, SLOPE, correction_rates, joint_corrected, layers, muscle_corrected
 from .observer import Observer, Sizes
-from .ports import SENSED, START, estimates, output_errors, start
 
 _PAPER, _CHOSEN, _OURS = "paper, §V", "chosen, docs/observers.md#choices-and-guards", "docs/gains.md"
 _BETA0 = 1.1
@@ -67,15 +68,33 @@ PARAMETERS = {
     "m": MASS,
     **START,
 }
+_IN_JOINT = (
+    *("alpha0", "beta0", "a_dual", "l0", "r00", "tau_a", "eps_a0", "gamma_a0", "delta00", "delta_a", "delta_1"),
+    *("L_min", "r_max", "leak"),
+)
+_IN_MUSCLE = (
+    *("eta1", "r01", "tau_a", "eps_a1", "alpha_a1", "gamma_a1", "delta01", "delta_a", "delta_L", "k_0", "k_max"),
+    *("r_max", "leak"),
+)
+SECOND = {
+    **{name: f"{name[:-1]}2" for name in ("eta1", "r01", "eps_a1", "alpha_a1", "gamma_a1", "delta01", "k_1", "r_a1")},
+    "c_3": "c_4",
+    "k1_limit": "k2_limit",
+}
 
 
-def adaptive_sliding_mode(corrected: bool = False) -> Block:
-    """Inputs y1, y2, y3, L_S1, L_S2; seven estimates, maybe `corrected`, and six adaptive states."""
-    x = symbols("x1_hat x2_hat Delta_hat x3_hat u1_hat x4_hat u2_hat l_a r_a0 k_1 r_a1 k_2 r_a2")
-    u, p = symbols(SENSED), symbols(PARAMETERS)
-    e1, e3, e4 = output_errors(x, u)
-    s1, s3, s4 = sg(e1, p.delta_1), sg(e3, p.delta_L), sg(e4, p.delta_L)
+def chains(corrected: bool = False) -> Chains:
+    """Their states are the estimates, unless these are `corrected`, and two adaptive ones for each chain."""
+    parameters = {**PARAMETERS, **(CORRECTION if corrected else {})}
+    return Chains("adaptive_sliding_mode", joint(corrected), muscle(corrected), parameters, SECOND)
 
+
+def joint(corrected: bool) -> Block:
+    """The chain of the mass."""
+    x, u, p = symbols("x1_hat x2_hat Delta_hat l_a r_a0"), symbols(OF_JOINT), symbols([*_IN_JOINT, *START_OF_JOINT])
+    # e₁ = y₁ − x̂₁
+    e1 = u.y1 - x.x1_hat
+    s1 = sg(e1, p.delta_1)
     # first layer of x̂₁, x̂₂.  L = l₀ + l_a,  d₀ = L − |Δ̂|/(aβ₀) − ε_a0   [La], [deltaa0]
     L = p.l0 + x.l_a
     d0 = L - ca.fabs(x.Delta_hat) / (p.a_dual * p.beta0) - p.eps_a0
@@ -85,75 +104,56 @@ def adaptive_sliding_mode(corrected: bool = False) -> Block:
     # ṙ_a0 = γ_a0|d₀| if |d₀| > δ₀₀ else 0   [dra0]; frozen where the projection holds l_a
     dr_a0 = (dl_a == rate) * _second_layer(x.r_a0, p.gamma_a0 * dead_zone(d0, p.delta00), p)
 
+    guards = Symbols(L_min=L <= p.L_min, r_max=x.r_a0 >= p.r_max)
     # α = α₀√L,  β = β₀L,  φ = −(L̇/L) e₁
     L = ca.fmax(L, p.L_min)
     alpha, beta, phi = p.alpha0 * ca.sqrt(L), p.beta0 * L, -dl_a / L * e1
     v11 = alpha * root(e1) * s1 - phi
-    dk_1, dr_a1, free1 = _gain(x.k_1, x.r_a1, x.u1_hat, 1, p)
-    dk_2, dr_a2, free2 = _gain(x.k_2, x.r_a2, x.u2_hat, 2, p)
-    k_1, k_2 = clamp(x.k_1, 0, p.k_max), clamp(x.k_2, 0, p.k_max)
     dx = Symbols(
         # x̂̇₁ = x̂₂ + α|e₁|^½ sg(e₁) − φ   [AO1a]
         x1_hat=x.x2_hat + v11,
         # x̂̇₂ = (y₃ − y₂)/m + β sg(e₁)   [AO1b], corrected
-        x2_hat=(u.y3 - u.y2) / p.m + beta * s1,
+        x2_hat=u.acc + beta * s1,
         # τ_a Δ̂̇ = −Δ̂ + β sg(e₁)   [AO1c], corrected
         Delta_hat=(-x.Delta_hat + beta * s1) / p.tau_a,
-        # x̂̇₃ = x̂₂ + (k₁ + η₁) sg(e₃)   [AO2a], corrected
-        x3_hat=x.x2_hat + (k_1 + p.eta1) * s3,
-        # τ_a û̇₁ = −û₁ + (k₁ + η₁) sg(e₃)   [AO2b], corrected
-        u1_hat=(-x.u1_hat + (k_1 + p.eta1) * s3) / p.tau_a,
-        # x̂̇₄ = −x̂₂ + (k₂ + η₂) sg(e₄)   [AO3a], corrected
-        x4_hat=-x.x2_hat + (k_2 + p.eta2) * s4,
-        # τ_a û̇₂ = −û₂ + (k₂ + η₂) sg(e₄)   [AO3b], corrected
-        u2_hat=(-x.u2_hat + (k_2 + p.eta2) * s4) / p.tau_a,
         l_a=dl_a,
         r_a0=dr_a0,
+    )
+    block = chain("joint", x, u, p, PARAMETERS, dx, guards=guards)
+    return joint_corrected(block, v11, e1) if corrected else block
+
+
+def muscle(corrected: bool) -> Block:
+    """The chain of muscle 1."""
+    x, u, p = symbols("x3_hat u1_hat k_1 r_a1"), symbols(OF_MUSCLE), symbols([*_IN_MUSCLE, *START_OF_MUSCLE])
+    # e₃ = Φ_S⁻¹(y₂) − x̂₃
+    e3 = u.L_S1 - x.x3_hat
+    # d_j = k_j − |û_j|/α_aj − ε_aj   has no label, it stands before [uj]
+    d = x.k_1 - ca.fabs(x.u1_hat) / p.alpha_a1 - p.eps_a1
+    # k̇_j = −(r₀j + r_aj) sg(d_j)   [kj], [rhoaj]; a projection on [0, k_max]
+    rate = -(p.r01 + x.r_a1) * sg(d, p.delta_a)
+    dk_1 = no_higher(no_lower(rate, x.k_1, 0), x.k_1, p.k_max)
+    free = dk_1 == rate
+    # ṙ_aj = γ_aj|d_j| if |d_j| > δ₀j else 0   [draj]; frozen where the projection holds k_j
+    dr_a1 = free * _second_layer(x.r_a1, p.gamma_a1 * dead_zone(d, p.delta01), p)
+    injected = (clamp(x.k_1, 0, p.k_max) + p.eta1) * sg(e3, p.delta_L)
+    dx = Symbols(
+        # x̂̇₃ = x̂₂ + (k₁ + η₁) sg(e₃),  x̂̇₄ = −x̂₂ + (k₂ + η₂) sg(e₄)   [AO2a], [AO3a], corrected
+        x3_hat=u.rate + injected,
+        # τ_a û̇₁ = −û₁ + (k₁ + η₁) sg(e₃),  τ_a û̇₂ = −û₂ + (k₂ + η₂) sg(e₄)   [AO2b], [AO3b], corrected
+        u1_hat=(-x.u1_hat + injected) / p.tau_a,
         k_1=dk_1,
         r_a1=dr_a1,
-        k_2=dk_2,
-        r_a2=dr_a2,
     )
-    block = Block(
-        "adaptive_sliding_mode",
-        x=x,
-        u=u,
-        p=p,
-        parameters=PARAMETERS,
-        dx=dx,
-        x0=Symbols(**start(p), k_1=p.k_0, k_2=p.k_0),
-        y=estimates(x),
-        guards=Symbols(
-            L_min=p.l0 + x.l_a <= p.L_min,
-            k1_limit=1 - free1,
-            k2_limit=1 - free2,
-            r_max=ca.fmax(x.r_a0, ca.fmax(x.r_a1, x.r_a2)) >= p.r_max,
-        ),
-    )
-    return layers_corrected(block, v11, e1, e3, e4) if corrected else block
-
-
-def _gain(k: ca.SX, r: ca.SX, u_hat: ca.SX, j: int, p: Symbols) -> tuple[ca.SX, ca.SX, ca.SX]:
-    """k̇_j, ṙ_aj, and 0 where the projection holds k_j, else 1."""
-    # d_j = k_j − |û_j|/α_aj − ε_aj   has no label, it stands before [uj]
-    d = k - ca.fabs(u_hat) / p[f"alpha_a{j}"] - p[f"eps_a{j}"]
-    # k̇_j = −(r₀j + r_aj) sg(d_j)   [kj], [rhoaj]; a projection on [0, k_max]
-    rate = -(p[f"r0{j}"] + r) * sg(d, p.delta_a)
-    dk = no_higher(no_lower(rate, k, 0), k, p.k_max)
-    free = dk == rate
-    # ṙ_aj = γ_aj|d_j| if |d_j| > δ₀j else 0   [draj]; frozen where the projection holds k_j
-    dr = free * _second_layer(r, p[f"gamma_a{j}"] * dead_zone(d, p[f"delta0{j}"]), p)
-    return dk, dr, free
+    guards = Symbols(k1_limit=1 - free, r_max=x.r_a1 >= p.r_max)
+    block = chain("muscle", x, u, p, PARAMETERS, dx, guards=guards)
+    block = replace(block, x0=Symbols({**block.x0, "k_1": p.k_0}))
+    return muscle_corrected(block, e3) if corrected else block
 
 
 def _second_layer(r: ca.SX, growth: ca.SX, p: Symbols) -> ca.SX:
     """The rate of a second layer: growth less leak, a projection at r_max."""
     return no_higher(growth - p.leak * r, r, p.r_max)
-
-
-def corrected() -> Block:
-    """The same with corrected estimates."""
-    return adaptive_sliding_mode(corrected=True)
 
 
 def theorem(p: Symbols, facts: Symbols) -> list[Condition]:
@@ -217,4 +217,4 @@ def gains(s: Sizes, T: float) -> dict[str, float]:
     }
 
 
-ADAPTIVE_SLIDING_MODE = Observer("ASMO", adaptive_sliding_mode, theorem, gains, rates, corrected=corrected)
+ADAPTIVE_SLIDING_MODE = Observer("ASMO", chains, None, theorem, gains, rates)

@@ -9,10 +9,10 @@ from collections.abc import Mapping
 import casadi as ca
 
 from ..model.block import Block, Parameter, Symbols, symbols
-from ..model.skeleton import MASS
+from ..model.skeleton.load import MASS
+from .chained import OF_JOINT, OF_MUSCLE, START, START_OF_JOINT, START_OF_MUSCLE, Chains, chain
 from .conditions import Condition, above, between, positive
 from .observer import Observer, Sizes
-from .ports import SENSED, START, estimates, output_errors, start
 
 _PAPER = "paper, §V"
 
@@ -33,37 +33,47 @@ PARAMETERS = {
 }
 _CHAINS = (("h11", "h12", "h13"), ("h21", "h22"), ("h31", "h32"))
 
+SECOND = {"h21": "h31", "h22": "h32"}
+
 # RK4 is stable with longer steps, but near h/ε = 1 its own error shows in noise-free data
 LIMIT = 0.75
 
 
-def high_gain() -> Block:
-    """Inputs y1, y2, y3, L_S1, L_S2; seven states, which are the estimates."""
-    x = symbols("x1_hat x2_hat Delta_hat x3_hat u1_hat x4_hat u2_hat")
-    u, p = symbols(SENSED), symbols(PARAMETERS)
-    return Block("high_gain", x=x, u=u, p=p, parameters=PARAMETERS, dx=chains(x, u, p), x0=start(p), y=estimates(x))
+def chains(corrected: bool = False) -> Chains:
+    """Their states are the estimates; there is no layer to correct."""
+    return Chains("high_gain", joint(), muscle(), PARAMETERS, SECOND)
 
 
-def chains(x: Symbols, u: Symbols, p: Symbols) -> Symbols:
-    """ẋ̂ of the three chains of injections."""
-    e1, e3, e4 = output_errors(x, u)
-    eps, eps_L = p.eps_h, p.eps_L
-    return Symbols(
+def joint() -> Block:
+    """The chain of the mass."""
+    x, u = symbols("x1_hat x2_hat Delta_hat"), symbols(OF_JOINT)
+    p = symbols(["eps_h", "h11", "h12", "h13", *START_OF_JOINT])
+    # e₁ = y₁ − x̂₁
+    e1, eps = u.y1 - x.x1_hat, p.eps_h
+    dx = Symbols(
         # x̂̇₁ = x̂₂ + h₁₁/ε e₁   [HO1a]
         x1_hat=x.x2_hat + p.h11 / eps * e1,
         # x̂̇₂ = (y₃ − y₂)/m + Δ̂ + h₁₂/ε² e₁   [HO1b]
-        x2_hat=(u.y3 - u.y2) / p.m + x.Delta_hat + p.h12 / eps**2 * e1,
+        x2_hat=u.acc + x.Delta_hat + p.h12 / eps**2 * e1,
         # Δ̂̇ = h₁₃/ε³ e₁   [HO1c]
         Delta_hat=p.h13 / eps**3 * e1,
-        # x̂̇₃ = x̂₂ + û₁ + h₂₁/ε e₃   [HO2a]
-        x3_hat=x.x2_hat + x.u1_hat + p.h21 / eps_L * e3,
-        # û̇₁ = h₂₂/ε² e₃   [HO2b]
-        u1_hat=p.h22 / eps_L**2 * e3,
-        # x̂̇₄ = −x̂₂ + û₂ + h₃₁/ε e₄   [HO3a]
-        x4_hat=-x.x2_hat + x.u2_hat + p.h31 / eps_L * e4,
-        # û̇₂ = h₃₂/ε² e₄   [HO3b]
-        u2_hat=p.h32 / eps_L**2 * e4,
     )
+    return chain("joint", x, u, p, PARAMETERS, dx)
+
+
+def muscle() -> Block:
+    """The chain of muscle 1."""
+    x, u = symbols("x3_hat u1_hat"), symbols(OF_MUSCLE)
+    p = symbols(["eps_L", "h21", "h22", *START_OF_MUSCLE])
+    # e₃ = Φ_S⁻¹(y₂) − x̂₃
+    e3, eps = u.L_S1 - x.x3_hat, p.eps_L
+    dx = Symbols(
+        # x̂̇₃ = x̂₂ + û₁ + h₂₁/ε e₃,  x̂̇₄ = −x̂₂ + û₂ + h₃₁/ε e₄   [HO2a], [HO3a]
+        x3_hat=u.rate + x.u1_hat + p.h21 / eps * e3,
+        # û̇₁ = h₂₂/ε² e₃,  û̇₂ = h₃₂/ε² e₄   [HO2b], [HO3b]
+        u1_hat=p.h22 / eps**2 * e3,
+    )
+    return chain("muscle", x, u, p, PARAMETERS, dx)
 
 
 def theorem(p: Symbols, facts: Symbols) -> list[Condition]:
@@ -107,4 +117,4 @@ def gains(s: Sizes, T: float) -> dict[str, float]:
     return {"eps_h": s.eps_1, "eps_L": s.eps_L}
 
 
-HIGH_GAIN = Observer("HGO", high_gain, theorem, gains, rates, LIMIT)
+HIGH_GAIN = Observer("HGO", chains, None, theorem, gains, rates, LIMIT)

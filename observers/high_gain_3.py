@@ -8,11 +8,13 @@ from dataclasses import replace
 import casadi as ca
 
 from ..model.block import Block, Parameter, Symbols, symbols
+from .chained import Chains
 from .conditions import Condition, above
-from .high_gain import LIMIT, chains, pole_rates, positive_gains
+from .high_gain import LIMIT, joint, pole_rates, positive_gains
 from .high_gain import PARAMETERS as ORDER_2
+from .high_gain import SECOND as OF_ORDER_2
+from .high_gain import muscle as order_2
 from .observer import Observer, Sizes
-from .ports import SENSED, estimates, output_errors, start
 
 _OURS = "docs/gains.md"
 # gains of the three chains; first index of those of û, and the index of their error
@@ -27,18 +29,30 @@ PARAMETERS = {
     **{f"h{j}2": Parameter(3.0, f"injection of e{sub} into û{j - 1}", _OURS) for j, sub in _OF_U},
     **{f"h{j}3": Parameter(1.0, f"injection of e{sub} into its rate", _OURS) for j, sub in _OF_U},
 }
+SECOND = {**OF_ORDER_2, "h23": "h33", "du1_hat": "du2_hat"}
 
 
-def high_gain_3() -> Block:
-    """Inputs y1, y2, y3, L_S1, L_S2; seven estimates and the rates of û."""
-    x = symbols("x1_hat x2_hat Delta_hat x3_hat u1_hat x4_hat u2_hat du1_hat du2_hat")
-    u, p = symbols(SENSED), symbols(PARAMETERS)
-    _, e3, e4 = output_errors(x, u)
-    dx = chains(x, u, p)
+def chains(corrected: bool = False) -> Chains:
+    """Their states are the estimates and the rates of û; there is no layer to correct."""
+    return Chains("high_gain_3", joint(), muscle(), PARAMETERS, SECOND)
+
+
+def muscle() -> Block:
+    """The chain of muscle 1: that of order 2, whose û has a rate."""
+    of_order_2 = order_2()
+    x, p = symbols("du1_hat"), symbols("h23")
+    # e₃ = Φ_S⁻¹(y₂) − x̂₃
+    e3 = of_order_2.u.L_S1 - of_order_2.x.x3_hat
     # û̇₁ = d̂₁ + h₂₂/ε² e₃,  d̂̇₁ = h₂₃/ε³ e₃;  û₂ likewise
-    dx |= {"u1_hat": dx.u1_hat + x.du1_hat, "u2_hat": dx.u2_hat + x.du2_hat}
-    dx |= {"du1_hat": p.h23 / p.eps_L**3 * e3, "du2_hat": p.h33 / p.eps_L**3 * e4}
-    return Block("high_gain_3", x=x, u=u, p=p, parameters=PARAMETERS, dx=Symbols(dx), x0=start(p), y=estimates(x))
+    dx = {**of_order_2.dx, "u1_hat": of_order_2.dx.u1_hat + x.du1_hat}
+    dx["du1_hat"] = p.h23 / of_order_2.p.eps_L**3 * e3
+    return replace(
+        of_order_2,
+        x=Symbols({**of_order_2.x, **x}),
+        p=Symbols({**of_order_2.p, **p}),
+        parameters={**of_order_2.parameters, "h23": PARAMETERS["h23"]},
+        dx=Symbols(dx),
+    )
 
 
 def theorem(p: Symbols, facts: Symbols) -> list[Condition]:
@@ -62,4 +76,4 @@ def gains(s: Sizes, T: float) -> dict[str, float]:
     return {"eps_h": s.eps_1, "eps_L": s.eps_L3}
 
 
-HIGH_GAIN_3 = Observer("HGO3", high_gain_3, theorem, gains, rates, LIMIT)
+HIGH_GAIN_3 = Observer("HGO3", chains, None, theorem, gains, rates, LIMIT)

@@ -15,6 +15,7 @@ import casadi as ca
 
 from ..model.block import Block, Parameter, Symbols, symbols
 from ..model.limits import STABLE
+from .chained import LACK
 from .observer import Sizes
 
 CORRECTION = {
@@ -89,14 +90,25 @@ def injection(alpha: float) -> float:
     return math.sqrt(8 * alpha)
 
 
-def layers_corrected(block: Block, v11: ca.SX, e1: ca.SX, e3: ca.SX, e4: ca.SX) -> Block:
-    """`block` with corrected outputs; v11, e1, e3, e4 are expressions in its symbols."""
-    x, p = symbols("c_2 c_1 c_3 c_4"), symbols(CORRECTION)
+def joint_corrected(joint: Block, v11: ca.SX, e1: ca.SX) -> Block:
+    """The chain of the mass with corrected outputs; v11 and e1 are expressions in its symbols."""
+    x, p = symbols("c_2 c_1"), symbols(CORRECTION)
+    # x̂₁ + c₁,  x̂₂ + c₂
+    y = {**joint.y, "x1_hat": joint.y.x1_hat + x.c_1, "x2_hat": joint.y.x2_hat + x.c_2, LACK: x.c_2}
+    return _low_passed(joint, x, p, {"c_2": v11, "c_1": e1}, y)
+
+
+def muscle_corrected(muscle: Block, e3: ca.SX) -> Block:
+    """The chain of muscle 1 with corrected outputs; e3 is an expression in its symbols."""
+    x, p, u = symbols("c_3"), symbols(CORRECTION), symbols(LACK)
+    # x̂₃ + c₃,  x̂₄ + c₄,  û₁ − c₂,  û₂ + c₂
+    y = {**muscle.y, "x3_hat": muscle.y.x3_hat + x.c_3, "u1_hat": muscle.y.u1_hat - u[LACK]}
+    return _low_passed(replace(muscle, u=Symbols({**muscle.u, **u})), x, p, {"c_3": e3}, y)
+
+
+def _low_passed(block: Block, x: Symbols, p: Symbols, values: Mapping[str, ca.SX], y: Mapping[str, ca.SX]) -> Block:
     # τ_c ċ = −c + (v₁₁, e₁, e₃, e₄)
-    dx = {c: (value - x[c]) / p.tau_c for c, value in zip(x, (v11, e1, e3, e4), strict=True)}
-    # x̂ + (c₁, c₂, c₃, c₄),  û₁ − c₂,  û₂ + c₂
-    change = {"x1_hat": x.c_1, "x2_hat": x.c_2, "x3_hat": x.c_3, "x4_hat": x.c_4, "u1_hat": -x.c_2, "u2_hat": x.c_2}
-    y = {name: value + change.get(name, 0) for name, value in block.y.items()}
+    dx = {c: (value - x[c]) / p.tau_c for c, value in values.items()}
     return replace(
         block,
         x=Symbols({**block.x, **x}),

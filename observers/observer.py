@@ -8,8 +8,10 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from ..model.block import Block, Symbols
+from ..model.block import Block, BlockError, Symbols
 from ..model.limits import STABLE
+from ..model.system import PAIR, System
+from .chained import Chains, chained, views
 from .conditions import Condition, Conditions, below
 
 
@@ -36,6 +38,48 @@ class Sizes:
         return math.sqrt(self.sigma_L1 * self.sigma_L2)
 
 
+@dataclass(frozen=True)
+class JointSizes:
+    """Of a joint: noise of its position, ε of its chain, root mean square and largest of Δ."""
+
+    sigma: float
+    eps: float
+    D: float
+    D_max: float
+
+
+@dataclass(frozen=True)
+class MuscleSizes:
+    """Of a muscle: noise of its force and of the length that this tells, ε of chains of order 2 and 3, sizes of u."""
+
+    sigma_F: float
+    sigma_L: float
+    eps_2: float
+    eps_3: float
+    U: float
+    U_max: float
+
+
+@dataclass(frozen=True)
+class SystemSizes:
+    """The same of all joints and muscles of a system, by name."""
+
+    joints: Mapping[str, JointSizes]
+    muscles: Mapping[str, MuscleSizes]
+
+    def of(self, joint: str, *muscles: str) -> Sizes:
+        """Those of a joint and of one or two muscles; of two, which share one observer, u is that of both."""
+        j, (first, second) = self.joints[joint], (self.muscles[name] for name in (muscles[0], muscles[-1]))
+        noise = (j.sigma, first.sigma_F, second.sigma_F, first.sigma_L, second.sigma_L)
+        return Sizes(*noise, j.eps, first.eps_2, first.eps_3, j.D, j.D_max, first.U, first.U_max)
+
+    @property
+    def pair(self) -> Sizes:
+        """Those of a mass between two muscles."""
+        (mass,) = self.joints
+        return self.of(mass, *self.muscles)
+
+
 # name → rate, symbolic in the observer's parameters
 Rates = Callable[[Symbols], Mapping[str, ca.SX]]
 # (sizes, sampling period T in τ) → name → value; what is not named keeps its default
@@ -52,17 +96,60 @@ class Observer:
     """What the registry knows of an observer; a Block alone is one without conditions, gain rule and known rates."""
 
     label: str  # what tables and figures call it
-    build: Callable[[], Block]
+    chains: Callable[[bool], Chains] | None = None  # what it is made of, with corrected layers or without
+    whole: Callable[[], Block] | None = None  # one that is not made of chains, and so is for the pair alone
     theorem: Conditions = lambda p, facts: []
     gains: Gains = lambda sizes, T: {}
     rates: Rates | None = None  # its fastest; None: to be found from ∂ẋ/∂x
     limit: float = STABLE  # largest h · rate of an RK4 step
-    corrected: Callable[[], Block] | None = None  # the same with its layers corrected; None: it has none
     fitted: bool = False  # a recording is passed as a whole, to find its numbers by likelihood and to smooth
 
-    def block(self, corrected: bool) -> Block:
-        """The observer as it follows recordings: its layers, if it has any, `corrected` or not."""
-        return self.corrected() if corrected and self.corrected else self.build()
+    def block(self, corrected: bool = False, system: System = PAIR) -> Block:
+        """The observer of a system, its layers, if it has any, `corrected` or not.
+
+        BlockError if it is for the pair alone.
+        """
+        if self.chains:
+            return chained(self.chains(corrected), system)
+        if self.whole is None or not system.paper:
+            raise BlockError(f"{self.label} is an observer of a mass between two muscles; it is not made of chains")
+        return self.whole()
+
+    def gains_of(self, system: System, sizes: SystemSizes, T: float) -> dict[str, float]:
+        """The gains for a recording of a system: chain by chain, by the names that the observer has for it."""
+        if system.paper or not self.chains:
+            return dict(self.gains(sizes.pair, T))
+        joint, muscle = system.joints[0], system.muscles[0]
+        made_of = self.chains(True)
+        cells = {
+            **{of: (made_of.joint, sizes.of(of, muscle)) for of in system.joints},
+            **{of: (made_of.muscle, sizes.of(joint, of)) for of in system.muscles},
+        }
+        return {
+            f"{of}.{name}": value
+            for of, (chain, near) in cells.items()
+            for name, value in self.gains(near, T).items()
+            if name in chain.p
+        }
+
+    def views(self, system: System, p: Symbols) -> dict[str, Symbols]:
+        """Joint or muscle → the numbers that a rate or a theorem of the pair takes, of all numbers p of an observer."""
+        if system.paper or not self.chains:
+            return {"": p}
+        of = views(self.chains(True), system)
+        return {
+            name: Symbols({key: p[number] for key, number in view.items() if number in p}) for name, view in of.items()
+        }
+
+    def rates_of(self, system: System, p: Symbols) -> Mapping[str, ca.SX] | None:
+        """All rates of the observer of a system, by words; None if they are to be found from ∂ẋ/∂x."""
+        if self.rates is None:
+            return None
+        return {
+            f"{of}: {name}" if of else name: rate
+            for of, view in self.views(system, p).items()
+            for name, rate in self.rates(view).items()
+        }
 
     def conditions(self, p: Symbols, facts: Symbols) -> list[Condition]:
         """What its theorem and the integration step h ask of the gains."""

@@ -8,11 +8,11 @@ import casadi as ca
 
 from ..model.block import Block, Parameter, Symbols, symbols
 from ..model.dialect import root, sg
-from ..model.skeleton import MASS
+from ..model.skeleton.load import MASS
+from .chained import OF_JOINT, OF_MUSCLE, START, START_OF_JOINT, START_OF_MUSCLE, Chains, chain
 from .conditions import Condition, above
-from .layers import SLOPE, correction_rates, injection, layers, layers_corrected
+from .layers import CORRECTION, SLOPE, correction_rates, injection, joint_corrected, layers, muscle_corrected
 from .observer import Observer, Sizes
-from .ports import SENSED, START, estimates, output_errors, start
 
 _PAPER = "paper, §V"
 
@@ -33,40 +33,51 @@ PARAMETERS = {
     "m": MASS,
     **START,
 }
+SECOND = {"alpha2": "alpha3", "c_3": "c_4"}
 
 
-def sliding_mode(corrected: bool = False) -> Block:
-    """Inputs y1, y2, y3, L_S1, L_S2; seven states, which are the estimates, unless these are `corrected`."""
-    x = symbols("x1_hat x2_hat Delta_hat x3_hat u1_hat x4_hat u2_hat")
-    u, p = symbols(SENSED), symbols(PARAMETERS)
-    e1, e3, e4 = output_errors(x, u)
-    # v₁₁ = λ₁₁|e₁|^½ sg(e₁)   [v11]
-    v11 = p.lambda11 * root(e1) * sg(e1, p.delta_s)
-    # v₁₂ = α₁₁ sg(e₁),  v₂ = α₂ sg(e₃),  v₃ = α₃ sg(e₄)   [v12]–[v3]
-    v12, v2, v3 = p.alpha11 * sg(e1, p.delta_s), p.alpha2 * sg(e3, p.delta_L), p.alpha3 * sg(e4, p.delta_L)
+def chains(corrected: bool = False) -> Chains:
+    """Their states are the estimates, unless these are `corrected`."""
+    parameters = {**PARAMETERS, **(CORRECTION if corrected else {})}
+    return Chains("sliding_mode", joint(corrected), muscle(corrected), parameters, SECOND)
+
+
+def joint(corrected: bool) -> Block:
+    """The chain of the mass."""
+    x, u = symbols("x1_hat x2_hat Delta_hat"), symbols(OF_JOINT)
+    p = symbols(["alpha11", "lambda11", "tau_s", "delta_s", *START_OF_JOINT])
+    # e₁ = y₁ − x̂₁
+    e1 = u.y1 - x.x1_hat
+    # v₁₁ = λ₁₁|e₁|^½ sg(e₁),  v₁₂ = α₁₁ sg(e₁)   [v11], [v12]
+    v11, v12 = p.lambda11 * root(e1) * sg(e1, p.delta_s), p.alpha11 * sg(e1, p.delta_s)
     dx = Symbols(
         # x̂̇₁ = x̂₂ + v₁₁   [SO1a]
         x1_hat=x.x2_hat + v11,
         # x̂̇₂ = (y₃ − y₂)/m + v₁₂   [SO1b]
-        x2_hat=(u.y3 - u.y2) / p.m + v12,
+        x2_hat=u.acc + v12,
         # τ_s Δ̂̇ = −Δ̂ + v₁₂   [SO1c]
         Delta_hat=(-x.Delta_hat + v12) / p.tau_s,
-        # x̂̇₃ = x̂₂ + v₂   [SO2a]
-        x3_hat=x.x2_hat + v2,
-        # τ_s û̇₁ = −û₁ + v₂   [SO2b]
-        u1_hat=(-x.u1_hat + v2) / p.tau_s,
-        # x̂̇₄ = −x̂₂ + v₃   [SO3a]
-        x4_hat=-x.x2_hat + v3,
-        # τ_s û̇₂ = −û₂ + v₃   [SO3b]
-        u2_hat=(-x.u2_hat + v3) / p.tau_s,
     )
-    block = Block("sliding_mode", x=x, u=u, p=p, parameters=PARAMETERS, dx=dx, x0=start(p), y=estimates(x))
-    return layers_corrected(block, v11, e1, e3, e4) if corrected else block
+    block = chain("joint", x, u, p, PARAMETERS, dx)
+    return joint_corrected(block, v11, e1) if corrected else block
 
 
-def corrected() -> Block:
-    """The same with corrected estimates."""
-    return sliding_mode(corrected=True)
+def muscle(corrected: bool) -> Block:
+    """The chain of muscle 1."""
+    x, u = symbols("x3_hat u1_hat"), symbols(OF_MUSCLE)
+    p = symbols(["alpha2", "tau_s", "delta_L", *START_OF_MUSCLE])
+    # e₃ = Φ_S⁻¹(y₂) − x̂₃
+    e3 = u.L_S1 - x.x3_hat
+    # v₂ = α₂ sg(e₃),  v₃ = α₃ sg(e₄)   [v2], [v3]
+    v2 = p.alpha2 * sg(e3, p.delta_L)
+    dx = Symbols(
+        # x̂̇₃ = x̂₂ + v₂,  x̂̇₄ = −x̂₂ + v₃   [SO2a], [SO3a]
+        x3_hat=u.rate + v2,
+        # τ_s û̇₁ = −û₁ + v₂,  τ_s û̇₂ = −û₂ + v₃   [SO2b], [SO3b]
+        u1_hat=(-x.u1_hat + v2) / p.tau_s,
+    )
+    block = chain("muscle", x, u, p, PARAMETERS, dx)
+    return muscle_corrected(block, e3) if corrected else block
 
 
 def theorem(p: Symbols, facts: Symbols) -> list[Condition]:
@@ -108,4 +119,4 @@ def gains(s: Sizes, T: float) -> dict[str, float]:
     }
 
 
-SLIDING_MODE = Observer("SMO", sliding_mode, theorem, gains, rates, corrected=corrected)
+SLIDING_MODE = Observer("SMO", chains, None, theorem, gains, rates)

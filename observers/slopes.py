@@ -5,11 +5,18 @@ from __future__ import annotations
 import casadi as ca
 
 from ..model.block import Block, Parameter, Symbols, symbols
-from ..model.curves import NGUYEN2019, Curves, CurveSet, by_muscle, tendon_parameters
-from .tendons import LENGTHS
+from ..model.curves import CurveSet
+from ..model.symbols import hat
+from ..model.system import PAIR, System
 
-# name of the slope → tendon length at which it is taken
-SLOPES = {"slope1": "L_S1", "slope2": "L_S2"}
+
+def slopes_of(system: System) -> dict[str, str]:
+    """Name of each tendon's slope → the length at which it is taken."""
+    return dict(zip(system.muscle("slope"), system.tendons, strict=True))
+
+
+# of the pair
+SLOPES = slopes_of(PAIR)
 
 _FLOOR = {
     "least_slope": Parameter(
@@ -22,27 +29,26 @@ _FLOOR = {
 }
 
 
-def tendon_slopes(curves: Curves = NGUYEN2019) -> Block:
-    """Inputs L_S1, L_S2; outputs slope1, slope2, limited from below."""
-    u, parameters = symbols(LENGTHS), {**_FLOOR, **tendon_parameters(curves)}
+def tendon_slopes(system: System = PAIR) -> Block:
+    """Inputs are tendon lengths, L_S1 and L_S2 of the pair; outputs slopes, slope1 and slope2, limited from below."""
+    u, parameters = symbols(system.tendons), {**_FLOOR, **system.tendon_parameters}
     p, y = symbols(parameters), Symbols()
-    for (slope, length), (muscle, curve) in zip(SLOPES.items(), by_muscle(curves).items(), strict=True):
-        y[slope] = _slope(curve, u[length], p.part(muscle), p.least_slope)
+    for (slope, length), muscle in zip(slopes_of(system).items(), system.muscles, strict=True):
+        y[slope] = _slope(system.curves[muscle], u[length], p.part(muscle), p.least_slope)
     return Block("slopes", u=u, p=p, parameters=parameters, y=y)
 
 
-def tendon_lines(curves: Curves = NGUYEN2019) -> Block:
-    """Inputs y2, y3 and estimated lengths x3_hat, x4_hat; outputs the LENGTHS and SLOPES of tendons linear about these.
+def tendon_lines(system: System = PAIR) -> Block:
+    """Inputs are estimated tendon lengths and the measured forces; outputs tendons linear about these, as z and slope.
 
     A length and a slope at the measured force have that force's noise in common, which weighs high forces more.
     """
-    estimates = {"x3_hat": "y2", "x4_hat": "y3"}
-    u, parameters = symbols([*estimates, *estimates.values()]), {**_FLOOR, **tendon_parameters(curves)}
+    estimates = [hat(name) for name in system.muscle("L_S")]
+    u, parameters = symbols([*estimates, *system.muscle("y")]), {**_FLOOR, **system.tendon_parameters}
     p, lengths, slopes = symbols(parameters), Symbols(), Symbols()
-    for (estimate, force), length, slope, (muscle, curve) in zip(
-        estimates.items(), LENGTHS, SLOPES, by_muscle(curves).items(), strict=True
-    ):
-        numbers = p.part(muscle)
+    for estimate, muscle in zip(estimates, system.muscles, strict=True):
+        curve, numbers = system.curves[muscle], p.part(muscle)
+        length, slope, force = (system.name(signal, muscle) for signal in ("z", "slope", "y"))
         # a slack tendon's length is not known, and is taken for that without force
         about = ca.fmax(u[estimate], curve.Phi_S_inv(ca.SX(0), numbers))
         slopes[slope] = _slope(curve, about, numbers, p.least_slope)

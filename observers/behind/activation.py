@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import casadi as ca
 
 from ...model.block import Block, Parameter, Parameters, Symbols, symbols
-from ...model.curves import NGUYEN2019, Curves, CurveSet, by_muscle, curve_parameters
+from ...model.curves import CurveSet
 from ...model.dialect import clamp, outside
-from ...model.skeleton import LENGTH, lengths
-from ...model.symbols import MUSCLES
-from ..ports import ESTIMATES
+from ...model.fibre import along_fibres
+from ...model.symbols import hat
+from ...model.system import PAIR, System
 
 _CHOSEN = "chosen, docs/observers.md#activations"
 
@@ -24,12 +24,12 @@ LIMITS: Parameters = {
 
 @dataclass(frozen=True)
 class Formula:
-    """The activation â of muscle j as an expression of `drive`, a symbol for û_j, which is to be within its limits.
+    """The activation â of a muscle as an expression of `drive`, a symbol for û_j, which is to be within its limits.
 
     speed: the largest û_j of the muscle.
     """
 
-    j: int
+    muscle: str
     a: ca.SX
     drive: ca.SX
     low: ca.SX
@@ -37,36 +37,37 @@ class Formula:
     speed: ca.SX | float
 
 
-def activation_parameters(curves: Curves) -> Parameters:
+def activation_parameters(system: System = PAIR) -> Parameters:
     """All numbers that the activations take."""
-    return {"C": LENGTH, **LIMITS, **curve_parameters(curves)}
+    return {**system.length_parameters, **LIMITS, **system.curve_parameters}
 
 
 def activation(curves: CurveSet, L_S: ca.SX, L_m: ca.SX, u: ca.SX, p: Symbols) -> ca.SX:
     """The activation, not limited, of a muscle of length L_m that shortens with velocity u."""
     # â_j = (Φ_S(x̂_{j+2}) − Φ_P(L̂_Cj))/(g(û_j) f(L̂_Cj))   [z]
-    return curves.activation(curves.Phi_S(L_S, p), L_m - L_S, u, p)
+    return curves.activation(*along_fibres(curves.Phi_S(L_S, p), L_m, L_S, u, p), p)
 
 
-def formulas(curves: Curves, u: Symbols, p: Symbols) -> Iterator[Formula]:
-    """The activations of both muscles as their states, not yet limited, are in the estimates `u`."""
-    sets = by_muscle(curves)
-    for j, (muscle, L_m) in enumerate(zip(MUSCLES, lengths(u.x1_hat, p.C), strict=True), start=1):
-        curve, numbers, L_S, drive = sets[muscle], p.part(muscle), u[f"x{j + 2}_hat"], ca.SX.sym("drive")
-        speed = curve.speed(numbers)
+def formulas(system: System, u: Symbols, p: Symbols) -> Iterator[Formula]:
+    """The activations of all muscles as their states, not yet limited, are in the estimates `u`."""
+    q = [u[hat(name)] for name in system.joint("q")]
+    for muscle, L_m in zip(system.muscles, system.lengths(q, p), strict=True):
+        curve, numbers, drive = system.curves[muscle], p.part(muscle), ca.SX.sym("drive")
+        L_S, speed = u[hat(system.name("L_S", muscle))], curve.speed(numbers)
         low, high = p.u_low * speed, p.u_high * speed
-        yield Formula(j, activation(curve, L_S, L_m, drive, numbers), drive, low, high, speed)
+        yield Formula(muscle, activation(curve, L_S, L_m, drive, numbers), drive, low, high, speed)
 
 
-def activation_estimate(curves: Curves = NGUYEN2019) -> Block:
-    """Inputs: the estimates; outputs a1_hat, a2_hat in [0, 1]; guards say when a limit is active."""
-    u, parameters = symbols(ESTIMATES), activation_parameters(curves)
+def activation_estimate(system: System = PAIR) -> Block:
+    """Inputs: the estimates; outputs the activations in [0, 1]; guards say when a limit is active."""
+    u, parameters = symbols(system.estimates), activation_parameters(system)
     p = symbols(parameters)
     y, guards = Symbols(), Symbols()
-    for f in formulas(curves, u, p):
-        drive = u[f"u{f.j}_hat"]
+    for f in formulas(system, u, p):
+        u_hat, a_hat = (hat(system.name(signal, f.muscle)) for signal in ("u", "a"))
+        drive = u[u_hat]
         a = ca.substitute(f.a, f.drive, clamp(drive, f.low, f.high))
-        y[f"a{f.j}_hat"] = clamp(a, 0, 1)
-        guards[f"u{f.j}_hat_limit"] = outside(drive, f.low, f.high)
-        guards[f"a{f.j}_hat_limit"] = outside(a, 0, 1)
+        y[a_hat] = clamp(a, 0, 1)
+        guards[f"{u_hat}_limit"] = outside(drive, f.low, f.high)
+        guards[f"{a_hat}_limit"] = outside(a, 0, 1)
     return Block("activation", u=u, p=p, parameters=parameters, y=y, guards=guards)

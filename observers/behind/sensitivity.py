@@ -12,31 +12,39 @@ from ...model.block import Symbols, symbols
 from ...model.curves import CurveSet
 from ...model.curves.sizes import SIZES, relative
 from ...model.dialect import clamp
+from ...model.fibre import along_fibres
 from .activation import activation
 
 # an additive error of the force, and of the muscle's length
 FORCE_BIAS, LENGTH_BIAS = "force_bias", "length_bias"
+PENNATION = "pennation"
 MUSCLE_ESTIMATES = ("tendon_length", "fibre_length", "fibre_velocity", "activation")
 _INPUTS = ("L_m", "dL_m", "L_S", "u", "u_low", "u_high")
 
 
-def numbers(curves: CurveSet) -> tuple[str, ...]:
-    """All that estimates of a muscle are computed with: sizes, the other numbers of its curves, errors of sensors."""
-    return (*dict.fromkeys((*SIZES, *curves.parameters)), FORCE_BIAS, LENGTH_BIAS)
+def numbers(curves: CurveSet, oblique: bool) -> tuple[str, ...]:
+    """All that estimates of a muscle are computed with: sizes, the other numbers of its curves, errors of sensors.
+
+    oblique: its fibres have a pennation.
+    """
+    own = (*SIZES, *curves.parameters, *([PENNATION] if oblique else ()))
+    return (*dict.fromkeys(own), FORCE_BIAS, LENGTH_BIAS)
 
 
-def sensitivities(curves: CurveSet) -> ca.Function:
+def sensitivities(curves: CurveSet, oblique: bool) -> ca.Function:
     """(inputs 6 × 1, `numbers` n × 1) → S = d MUSCLE_ESTIMATES/d numbers (4 × n), in any consistent units such as SI.
 
     Inputs are the estimated length of the muscle, its rate, the tendon length and the shortening velocity u, and the
     limits of u in l_opt v_max; fibre velocity is −u. Not finite where the tendon has no slope.
     """
-    x, theta = symbols(_INPUTS), symbols(numbers(curves))
+    x, theta = symbols(_INPUTS), symbols(numbers(curves, oblique))
+    angle = theta.only([PENNATION]) if oblique else Symbols()
     # the muscle in its own sizes
-    p = Symbols({**theta, **relative(theta, theta)}).only(curves.parameters)
+    p = Symbols({**Symbols({**theta, **relative(theta, theta)}).only(curves.parameters), "l_opt": ca.SX(1), **angle})
     L_m, drive, speed = x.L_m + theta[LENGTH_BIAS], ca.SX.sym("drive"), theta.l_opt * theta.v_max
     a = activation(curves, x.L_S / theta.l_opt, L_m / theta.l_opt, drive / speed, p)
-    h = ca.vertcat(x.L_S, L_m - x.L_S, -drive, a)
+    _, L_C, shortening = along_fibres(ca.SX(0), L_m, x.L_S, drive, Symbols({"l_opt": theta.l_opt, **angle}))
+    h = ca.vertcat(x.L_S, L_C, -shortening, a)
     force = theta.F_max * curves.Phi_S(x.L_S / theta.l_opt, p) - theta[FORCE_BIAS]
 
     of = theta.vector()

@@ -12,10 +12,10 @@ from collections.abc import Mapping
 import casadi as ca
 
 from ...model.block import Block, Parameter, Parameters, Symbols, symbols
-from ...model.curves import NGUYEN2019, Curves
 from ...model.dialect import clamp
-from ...model.skeleton import MASS
+from ...model.skeleton.load import MASS
 from ...model.symbols import STATES, hat
+from ...model.system import PAIR, System
 from ..behind.activation import activation_parameters, formulas
 from ..behind.spread import SPREADS, sd
 from ..ports import ESTIMATES
@@ -65,19 +65,19 @@ PARAMETERS: Parameters = {
 }
 
 
-def linear_law(curves: Curves = NGUYEN2019) -> Block:
-    """Inputs: the estimates; outputs: LINE, and the activations a1_hat, a2_hat there, not limited."""
-    u, parameters = symbols(ESTIMATES), activation_parameters(curves)
+def linear_law(system: System = PAIR) -> Block:
+    """Inputs: the estimates of a pair; outputs: LINE, and the activations a1_hat, a2_hat there, not limited."""
+    u, parameters = symbols(ESTIMATES), activation_parameters(system)
     p, y, activations = symbols(parameters), Symbols(), Symbols()
-    for f in formulas(curves, u, p):
-        drive = clamp(u[f"u{f.j}_hat"], _SLOWEST * f.speed, _FASTEST * f.speed)
-        states = ca.vertcat(u.x1_hat, u[f"x{f.j + 2}_hat"])
+    for j, f in enumerate(formulas(system, u, p), start=1):
+        drive = clamp(u[f"u{j}_hat"], _SLOWEST * f.speed, _FASTEST * f.speed)
+        states = ca.vertcat(u.x1_hat, u[f"x{j + 2}_hat"])
         slopes = ca.substitute(ca.jacobian(f.a, ca.vertcat(states, f.drive)), f.drive, drive)
         # u − û = b (x − x̂, a − â),  b = (−∂a/∂x, 1)/(∂a/∂u)
         steepness = ca.fmax(slopes[2], _LEAST_SLOPE)
         values = (drive, -slopes[0] / steepness, -slopes[1] / steepness, 1 / steepness)
-        y |= dict(zip((name for name in LINE if name.endswith(str(f.j))), values, strict=True))
-        activations[f"a{f.j}_hat"] = ca.substitute(f.a, f.drive, drive)
+        y |= dict(zip((name for name in LINE if name.endswith(str(j))), values, strict=True))
+        activations[f"a{j}_hat"] = ca.substitute(f.a, f.drive, drive)
     return Block("linear_law", u=u, p=p, parameters=parameters, y=Symbols({**y, **activations}))
 
 

@@ -6,19 +6,21 @@ variance σ²: the steady gains are the coefficients of a Butterworth polynomial
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import casadi as ca
 
 from ...model.block import Block, Parameter, Parameters, Symbols, symbols
-from ...model.skeleton import MASS
+from ...model.skeleton.load import MASS
 from ...model.symbols import hat
+from ..chained import OF_JOINT, OF_MUSCLE, Chains, chain
 from ..high_gain import LIMIT
 from ..observer import Observer, Sizes
-from ..ports import ESTIMATES, SENSED, output_errors
-from .parameters import FROM_BOUNDS, INPUTS, NOISE, PAPER_NOISE, densities, driven, resolved
-from .states import LONGEST, MEAN
+from .parameters import FROM_BOUNDS, INPUTS, NOISE, PAPER_NOISE, densities, resolved
+from .states import CHAINS, LONGEST
 
 # slope of both tendons at the start of the paper's runs, L_S = 2.018
 _SLOPE = 13.5
@@ -42,46 +44,46 @@ def butterworth(n: int) -> list[float]:
     return [math.prod(ratios[:k]) for k in range(1, n + 1)]
 
 
-def kalman_constant() -> Block:
-    """Inputs y1, y2, y3, L_S1, L_S2; 13 states: the estimates and the rates of Δ̂, û₁, û₂."""
-    x, u, p = symbols(MEAN), symbols(SENSED), symbols(PARAMETERS)
-    dx = Symbols(
-        # x̂̇₁ = x̂₂,  x̂̇₂ = (y₃ − y₂)/m + Δ̂
-        x1_hat=x.x2_hat,
-        x2_hat=(u.y3 - u.y2) / p.m + x.Delta_hat,
-        # x̂̇₃ = x̂₂ + û₁,  x̂̇₄ = −x̂₂ + û₂
-        x3_hat=x.x2_hat + x.u1_hat,
-        x4_hat=-x.x2_hat + x.u2_hat,
-    )
-    for (before, error), (chain, order, w) in zip(
-        zip((("x1", "x2"), ("x3",), ("x4",)), output_errors(x, u), strict=True), speeds(p), strict=True
-    ):
-        # Δ̂̇ = d̂,  d̂̇ = …;  û likewise
-        for name, rate in zip(chain, (*chain[1:], None), strict=True):
-            dx[hat(name)] = x[hat(rate)] if rate else ca.SX(0)
-        # … + a_i wⁱ e
-        for i, name in enumerate((*before, *chain), start=1):
-            dx[hat(name)] += _coefficient(i, order, len(before)) * w**i * error
-    start = Symbols(x1_hat=u.y1, x3_hat=u.L_S1, x4_hat=u.L_S2)
-    return Block(
-        "kalman_constant",
-        x=x,
-        u=u,
-        p=p,
-        parameters=PARAMETERS,
-        dx=dx.only(MEAN),
-        x0=start,
-        y=x.only(ESTIMATES),
-    )
+def chains(corrected: bool = False) -> Chains:
+    """Their states are the estimates and the rates of Δ̂ and û; they start at the first sample."""
+    joint, muscle = _chain("joint", _OF_MASS, OF_JOINT), _chain("muscle", _OF_MUSCLE_1, OF_MUSCLE)
+    return Chains("kalman_constant", joint, muscle, PARAMETERS, SECOND)
 
 
-def speeds(p: Symbols) -> list[tuple[tuple[str, ...], ca.SX, ca.SX]]:
-    """Each chain of an input with its order and the frequency w of the chain that it ends."""
-    result = []
-    for (chain, order, s), sigma, before in zip(driven(p), (p.sigma_1, p.sigma_L, p.sigma_L), (2, 1, 1), strict=True):
-        # w = (s/(σ√T))^(1/n)
-        result.append((chain, order, (s / (sigma * ca.sqrt(p.T))) ** (1 / (order + before))))
-    return result
+@dataclass(frozen=True)
+class _Numbers:
+    """A chain: its states, how many of them are before the input, and the names of its numbers."""
+
+    states: tuple[str, ...]
+    before: int
+    measured: str
+    sigma: str
+    density: str
+    order: str
+
+
+_OF_MASS = _Numbers(("x1", "x2", *CHAINS["Delta"]), 2, "y1", "sigma_1", "s_D", "order_D")
+_OF_MUSCLE_1 = _Numbers(("x3", *CHAINS["u1"]), 1, "L_S1", "sigma_L", "s_u1", "order_u")
+SECOND = {"s_u1": "s_u2", **{hat(a): hat(b) for a, b in zip(CHAINS["u1"], CHAINS["u2"], strict=True)}}
+
+
+def _chain(kind: str, of: _Numbers, inputs: Sequence[str]) -> Block:
+    x, u, p = symbols(map(hat, of.states)), symbols(inputs), symbols([of.sigma, of.density, of.order, "T"])
+    w = _frequency(p, of)
+    # x̂̇₁ = x̂₂,  x̂̇₂ = (y₃ − y₂)/m + Δ̂,  Δ̂̇ = d̂,  d̂̇ = …;  x̂̇₃ = x̂₂ + û₁,  x̂̇₄ = −x̂₂ + û₂,  û likewise
+    known = {"x2_hat": u.get("acc"), "x3_hat": u.get("rate")}
+    dx = Symbols()
+    # … + a_i wⁱ e
+    error = u[of.measured] - x[hat(of.states[0])]
+    for i, (name, after) in enumerate(itertools.pairwise((*x, None)), start=1):
+        terms = [term for term in (known.get(name), x[after] if after else None) if term is not None]
+        dx[name] = sum(terms, ca.SX(0)) + _coefficient(i, p[of.order], of.before) * w**i * error
+    return replace(chain(kind, x, u, p, PARAMETERS, dx), x0=Symbols({hat(of.states[0]): u[of.measured]}))
+
+
+def _frequency(p: Symbols, of: _Numbers) -> ca.SX:
+    # w = (s/(σ√T))^(1/n)
+    return (p[of.density] / (p[of.sigma] * ca.sqrt(p.T))) ** (1 / (p[of.order] + of.before))
 
 
 def _coefficient(i: int, order: ca.SX, before: int) -> ca.SX:
@@ -92,7 +94,9 @@ def _coefficient(i: int, order: ca.SX, before: int) -> ca.SX:
 
 def rates(p: Symbols) -> Mapping[str, ca.SX]:
     """The poles of the three chains."""
-    return dict(zip(("w₁", "w₃", "w₄"), (w for _, _, w in speeds(p)), strict=True))
+    of_muscle_2 = replace(_OF_MUSCLE_1, density=SECOND["s_u1"])
+    numbers = {"w₁": _OF_MASS, "w₃": _OF_MUSCLE_1, "w₄": of_muscle_2}
+    return {name: _frequency(p, of) for name, of in numbers.items()}
 
 
 def gains(s: Sizes, T: float) -> Mapping[str, float]:
@@ -101,4 +105,4 @@ def gains(s: Sizes, T: float) -> Mapping[str, float]:
     return {"sigma_1": known.sigma_1, "sigma_L": known.sigma_L, **densities(known, T), "T": T}
 
 
-KALMAN_CONSTANT = Observer("KF const", kalman_constant, gains=gains, rates=rates, limit=LIMIT)
+KALMAN_CONSTANT = Observer("KF const", chains, gains=gains, rates=rates, limit=LIMIT)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import casadi as ca
 
 from ...model.block import Block, Symbols, symbols
-from ...model.skeleton import pull
+from ...model.skeleton.load import pull
 from ..observer import Observer, no_rates
 from ..ports import SENSED
 from ..slopes import SLOPES
@@ -19,7 +19,7 @@ _LAST = tuple(name for name in MODEL.inputs if name != "y1")
 
 
 def kalman() -> Block:
-    """Inputs t, y1, y2, y3, L_S1, L_S2 and the tendons' slopes; moves at samples only.
+    """The filter of a pair. Inputs t, y1, y2, y3, L_S1, L_S2 and the tendons' slopes; moves at samples only.
 
     States: 13 means, the 91 entries of their covariance, what was measured last.
     """
@@ -50,4 +50,4 @@ def _named(mean: ca.SX) -> dict[str, ca.SX]:
     return dict(zip(MEAN, ca.vertsplit(mean), strict=True))
 
 
-KALMAN = Observer("KF", kalman, gains=gains, rates=no_rates, fitted=True)
+KALMAN = Observer("KF", whole=kalman, gains=gains, rates=no_rates, fitted=True)

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import casadi as ca
 
 from ...model.block import Parameter, Parameters, Symbols
-from ...model.skeleton import MASS
+from ...model.skeleton.load import MASS
 from ..behind.spread import COVARIANCES
 from ..ports import ESTIMATES
 from ..slopes import SLOPES

@@ -18,12 +18,15 @@ from ..estimate.run import estimate as estimated
 from ..estimate.scores import scores
 from ..figures.estimate import SHEET, estimate_sheet
 from ..figures.page import content, figure_paths, write_figures
+from ..files.errors import ScenarioError
 from ..files.quote import escaped
 from ..files.writing import writable_folder, write_whole
 from ..kalman.run import AUTO, FORMS
 from ..laboratory.mapping import read_mapping
+from ..laboratory.mechanisms.reading import read_mechanism
 from ..laboratory.muscles import read_muscles
 from ..laboratory.recording import read_recording
+from ..laboratory.subject import Subject, pair_subject, subject_of
 from ..scenarios.layers import Value
 from ..scenarios.observers import observers_named
 from ..verdict.run import judged
@@ -51,7 +54,8 @@ _STEM = "estimates"
 
 @click.command()
 @click.argument("recording", metavar="RECORDING")
-@click.option("--muscles", required=True, metavar="FILE.toml", help="The muscles in SI, see docs/recordings.md.")
+@click.option("--muscles", metavar="FILE.toml", help="A pair of muscles in SI, see docs/recordings.md.")
+@click.option("--mechanism", metavar="FILE.toml", help="Or joints and muscles, see docs/mechanisms.md.")
 @observer_option()
 @corrected_option(default=True)
 @mapping_option()
@@ -77,7 +81,8 @@ _STEM = "estimates"
 @click.option("--report", is_flag=True, help="Write a page for a browser too: figure, scores, settings, in one file.")
 def estimate(
     recording: str,
-    muscles: str,
+    muscles: str | None,
+    mechanism: str | None,
     observers: tuple[str, ...],
     corrected: bool,
     maps: tuple[str, ...],
@@ -96,19 +101,19 @@ def estimate(
 ) -> None:
     """Estimate velocity, lengths, activations and disturbance from RECORDING: CSV, .sto or .mot, also gzipped.
 
-    It needs time, position and both tendon forces. If it has the truth too, the estimates are scored.
+    It needs time, positions and tendon forces. If it has the truth too, the estimates are scored.
     """
     folder = writable_folder(Path(out))
-    chosen, pair, mapping = loaded(observers), read_muscles(muscles), read_mapping(maps)
+    chosen, subject, mapping = loaded(observers), _subject(muscles, mechanism), read_mapping(maps)
     times = [time.monotonic()]
     with bar("reading") as progress:
-        read = read_recording(recording, mapping, progress)
+        read = read_recording(recording, mapping, progress, subject.columns)
     times.append(time.monotonic())
     sheet = [] if no_figures else [SHEET]
     paths = estimate_paths(folder, tuple(observers_named(chosen)), bool(read.true))
     refuse_replacing(folder, [*paths, *figure_paths(folder, _STEM, sheet), *[report_path(folder)] * report])
     with bar("following") as progress:
-        compile_observers(pair, chosen, corrected)
+        compile_observers(subject, chosen, corrected)
         # following ends with its last progress: making a Dataset imports half of dask, which no observer costs
         times += [time.monotonic()] * 2
 
@@ -118,7 +123,7 @@ def estimate(
 
         dataset = estimated(
             read,
-            pair,
+            subject,
             chosen,
             None,
             corrected,
@@ -144,9 +149,9 @@ def estimate(
         say(
             "--observer kalman also says what noise leaves open, smooths, and judges recording and muscles", err=as_json
         )
-    if KALMAN in dataset.observer and not no_verdict:
+    if subject.pair and KALMAN in dataset.observer and not no_verdict:
         with _noting_what_is_kept(folder), bar("weighing") as progress:
-            found = judged(read, pair, dataset, progress)
+            found = judged(read, subject.pair, dataset, progress)
         dataset.attrs |= {"quality": found.quality, "verdict": json.dumps(found.as_dict())}
         with bar("writing"):
             save_again(dataset, folder)
@@ -166,6 +171,15 @@ def estimate(
         complain(sentence)
     if ended:
         sys.exit(NUMERICAL)
+
+
+def _subject(muscles: str | None, mechanism: str | None) -> Subject:
+    """The pair or the mechanism of a file. ScenarioError unless there is one of both, or for what is wrong in it."""
+    if (muscles is None) == (mechanism is None):
+        raise ScenarioError("a recording needs --muscles FILE.toml, a pair, or --mechanism FILE.toml, one of them")
+    if mechanism is not None:
+        return subject_of(read_mechanism(mechanism))
+    return pair_subject(read_muscles(str(muscles)))
 
 
 @contextlib.contextmanager

@@ -23,6 +23,7 @@ _COMMANDS: Mapping[str, tuple[str, str]] = {
     "simulate": ("simulate", "Simulate scenarios: measures, results, figures."),
     "sweep": ("sweep", "Run a scenario over parameters and seeds."),
     "estimate": ("estimate", "Estimate activations and more from a recording."),
+    "import": ("importing", "Make a mechanism file of an OpenSim model."),
     "fit": ("fit", "Find the Kalman filter's densities by likelihood."),
     "observability": ("observability", "Say what some sensors determine at a point."),
     "figures": ("figures", "Draw the figures of a result again."),
@@ -33,6 +34,8 @@ _COMMANDS: Mapping[str, tuple[str, str]] = {
     "info": ("listing", "Show versions, compiler, pages and cache."),
     "clean": ("listing", "Empty the cache of compiled libraries."),
 }
+# words of Python, whose functions end with an underscore
+_TAKEN = ("import", "list")
 
 
 class _Commands(click.Group):
@@ -45,7 +48,7 @@ class _Commands(click.Group):
         if cmd_name not in _COMMANDS:
             return None
         module = importlib.import_module(f".{_COMMANDS[cmd_name][0]}", __package__)
-        command: click.Command = getattr(module, f"{cmd_name}_" if cmd_name == "list" else cmd_name)
+        command: click.Command = getattr(module, f"{cmd_name}_" if cmd_name in _TAKEN else cmd_name)
         return command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:

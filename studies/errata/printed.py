@@ -14,8 +14,7 @@ from ...model.block import Block, Parameter, Symbols, symbols
 from ...model.curves import NGUYEN2019, PRINTED_TOE, CurveSet, tendon_parameters
 from ...model.dialect import clamp, sg
 from ...model.symbols import MUSCLES
-from ...observers.adaptive_sliding_mode import adaptive_sliding_mode
-from ...observers.ports import output_errors
+from ...observers.adaptive_sliding_mode import ADAPTIVE_SLIDING_MODE
 
 
 @dataclass(frozen=True)
@@ -77,10 +76,10 @@ def backstepping_as_printed(curves: CurveSet = NGUYEN2019) -> Block:
 
 def adaptive_as_printed() -> Block:
     """The adaptive observer; O2…O5 and O8 are 1 for the corrected term, 0 for the printed."""
-    right = adaptive_sliding_mode()
+    right = ADAPTIVE_SLIDING_MODE.block()
     x, u = right.x, right.u
     p = Symbols({**right.p, **symbols(OBSERVER)})
-    e1, e3, e4 = output_errors(x, u)
+    e1, e3, e4 = u.y1 - x.x1_hat, u.L_S1 - x.x3_hat, u.L_S2 - x.x4_hat
     L = ca.fmax(p.l0 + x.l_a, p.L_min)
     v1 = p.beta0 * L * sg(e1, p.delta_1)
     v3 = (clamp(x.k_1, 0, p.k_max) + p.eta1) * sg(e3, p.delta_L)

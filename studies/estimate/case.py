@@ -12,11 +12,13 @@ from numpy.typing import NDArray
 from ...codegen.failure import Failure
 from ...model.arrays import Array
 from ...observers.conditions import Checked
-from ...observers.observer import Sizes
+from ...observers.observer import SystemSizes
+from ..files.errors import ScenarioError
 from ..kalman.run import AUTO
 from ..laboratory.muscles import MusclePair
 from ..laboratory.recording import Recording
 from ..laboratory.scales import Scales
+from ..laboratory.subject import Subject
 
 
 @dataclass(frozen=True)
@@ -53,22 +55,33 @@ class Result:
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """A recording in the paper's variables: times τ (n), measurements y (n × 3), tendon lengths z, slopes (n × 2).
+    """A recording in the paper's variables: times τ (n), measurements y, tendon lengths z and slopes (n × muscles).
 
     doubt: path of a number such as muscle1.F_max → its standard deviation in SI.
     """
 
     recording: Recording
-    pair: MusclePair
-    scales: Scales
+    subject: Subject
     tau: Array
     y: Array
     z: Array
     slopes: Array
     gaps: NDArray[np.bool_]
-    sizes: Sizes
+    sizes: SystemSizes
     settings: Settings
     doubt: Mapping[str, float]
+
+    @property
+    def scales(self) -> Scales:
+        """What leads to the paper's variables and back."""
+        return self.subject.scales
+
+    @property
+    def pair(self) -> MusclePair:
+        """The pair. ScenarioError for another mechanism, of which what asks for it knows nothing."""
+        if self.subject.pair is None:
+            raise ScenarioError("that is for a mass between two muscles, and not for a mechanism")
+        return self.subject.pair
 
     @property
     def kept(self) -> slice:

@@ -4,20 +4,58 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
+
+import casadi as ca
 
 from ...model.block import Symbols, symbols
+from ...model.system import System
 from ...observers import Observer
-from ...observers.conditions import FACTS, Checked, check
-from ...observers.observer import Sizes
+from ...observers.conditions import FACTS, Checked, Condition, check
+from ...observers.observer import Sizes, SystemSizes
+
+# nodes of an expression that are compared
+_DEEP = 20
 
 
-def gain_conditions(observer: Observer, numbers: Mapping[str, float], sizes: Sizes, h: float) -> list[Checked]:
+def gain_conditions(
+    observer: Observer, system: System, numbers: Mapping[str, float], sizes: SystemSizes, h: float
+) -> list[Checked]:
     """What the observer's theorem asks of its `numbers` (name → value); what a recording does not tell is left out.
 
     The integration needs no check: the steps from sample to sample are chosen by it.
     """
     p, about = symbols(numbers), symbols(FACTS)
-    return check(observer.theorem(p, about), Symbols({**p, **about}), {**numbers, **_facts(sizes, h)})
+    checked: list[Checked] = []
+    for of, view in observer.views(system, p).items():
+        near = sizes.pair if system.paper else _neighbours(sizes, system, of)
+        theorem = observer.theorem(view, about)
+        if of:
+            theorem = _each_once([condition for condition in theorem if _concerns(condition, of, p)])
+        found = check(theorem, Symbols({**p, **about}), {**numbers, **_facts(near, h)})
+        checked += [replace(condition, name=f"{of}: {condition.name}") if of else condition for condition in found]
+    return checked
+
+
+def _neighbours(sizes: SystemSizes, system: System, of: str) -> Sizes:
+    """Those of a joint and the first muscle, or of a muscle and the first joint."""
+    return sizes.of(of, system.muscles[0]) if of in system.joints else sizes.of(system.joints[0], of)
+
+
+def _each_once(conditions: list[Condition]) -> list[Condition]:
+    """What is said of both muscles of the pair is said of one."""
+    kept: list[Condition] = []
+    for condition in conditions:
+        sides = ca.vertcat(condition.left, condition.right)
+        if not any(ca.is_equal(sides, ca.vertcat(one.left, one.right), _DEEP) for one in kept):
+            kept.append(condition)
+    return kept
+
+
+def _concerns(condition: Condition, of: str, p: Symbols) -> bool:
+    """Whether it is about numbers of this joint or muscle, and not its neighbour's alone."""
+    numbers = ca.vertcat(*(symbol for name, symbol in p.items() if name.startswith(f"{of}.")))
+    return bool(ca.depends_on(ca.vertcat(condition.left, condition.right), numbers))
 
 
 def _facts(sizes: Sizes, h: float) -> dict[str, float]:

@@ -9,85 +9,111 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from ...codegen.failure import Failure
 from ...model.arrays import Array
 from ...model.curves import CURVES
-from ...model.skeleton import lengths
-from ...model.symbols import STATES, hat
+from ...model.symbols import hat
 from ...observers.conditions import Checked
 from ..files.versions import versions
-from ..laboratory.muscles import muscle_file
 from ..simulate.failures import observer_failure
 from .bands.band import deviations
 from .case import Case, Result
 
-_MUSCLES = (1, 2)
-# what a recording may know: name, unit, sentence
+# what a recording may know: name → sentence, and the unit if it is none of the joint
 TRUE: Mapping[str, tuple[str, str]] = {
-    "position": ("m", "true position of the mass"),
-    "velocity": ("m/s", "true velocity of the mass"),
-    "acceleration": ("m/s2", "true acceleration of the mass"),
-    "disturbance": ("N", "true external force on the mass, positive to the right"),
+    "position": ("", "true positions"),
+    "velocity": ("", "true velocities"),
+    "acceleration": ("", "true accelerations"),
+    "disturbance": ("", "true external forces, positive with the position"),
     "force": ("N", "true tendon forces"),
+    "path_length": ("m", "true muscle lengths"),
     "tendon_length": ("m", "true tendon lengths"),
     "fibre_length": ("m", "true fibre lengths"),
     "fibre_velocity": ("m/s", "true fibre velocities, positive when the fibre lengthens"),
     "activation": ("1", "true activations"),
     "excitation": ("1", "true excitations"),
 }
-PER_MUSCLE = ("force", "tendon_length", "fibre_length", "fibre_velocity", "activation", "excitation")
+PER_JOINT = ("position", "velocity", "acceleration", "disturbance")
+PER_MUSCLE = tuple(name for name in TRUE if name not in PER_JOINT)
+# units of what slides and of what turns
+_UNITS: Mapping[str, tuple[str, str]] = {
+    "position": ("m", "rad"),
+    "velocity": ("m/s", "rad/s"),
+    "acceleration": ("m/s2", "rad/s2"),
+    "disturbance": ("N", "N m"),
+}
+Variable = tuple[tuple[str, ...], np.ndarray[Any, Any], dict[str, str]]
 
 
 def estimate_dataset(case: Case, results: Mapping[str, Result], library: str) -> xr.Dataset:
-    """Estimates, innovations and limits of each observer, what was measured, and the truth that the file knows."""
-    recording, s = case.recording, case.scales
+    """Estimates, innovations and limits of each observer, what was measured, and the truth that the file knows.
+
+    A pair's one position needs no dimension for joints.
+    """
+    recording, s, subject = case.recording, case.scales, case.subject
+    system, joints = subject.system, len(subject.system.joints)
     y, z = case.y[case.kept], case.z[case.kept]
-    alone, both = ("observer", "time"), ("observer", "time", "muscle")
+    of_observers = ("observer", "time")
 
-    def stacked(*names: str) -> Array:
-        """(observer × time) of one output, (observer × time × muscle) of two."""
-        outputs = [np.stack([result.y[hat(name)] for name in names], axis=-1) for result in results.values()]
-        return np.stack(outputs)[..., 0] if len(names) == 1 else np.stack(outputs)
+    def stacked(names: Sequence[str]) -> Array:
+        """(observer × time × joint or muscle) of outputs."""
+        return np.stack([np.stack([r.y[hat(name)] for name in names], axis=-1) for r in results.values()])
 
-    def limited(quantity: str) -> NDArray[np.int8]:
+    def limited(signal: str) -> Variable:
         # an observer that estimates activations itself has no such limit
         none = np.zeros(len(y))
-        guards = [[r.guards.get(f"{quantity}{j}_hat_limit", none) for j in _MUSCLES] for r in results.values()]
+        names = [f"{hat(name)}_limit" for name in system.muscle(signal)]
+        guards = [[r.guards.get(name, none) for name in names] for r in results.values()]
         # after a failure nothing is limited
         active: Array = np.nan_to_num(np.array(guards, dtype=float))
-        return active.transpose(0, 2, 1).astype(np.int8)
+        return of_muscle(of_observers, active.transpose(0, 2, 1).astype(np.int8), "1", _LIMITED[signal])
 
-    x1, L_S = stacked("x1"), stacked(*STATES[2:])
-    # L_C = L_m − L_S
-    L_m = np.stack(lengths(x1, s.numbers["plant.C"]), axis=-1)
-    data: dict[str, tuple[tuple[str, ...], np.ndarray[Any, Any], dict[str, str]]] = {
-        "position": (("time",), s.metres(y[:, 0]), _about("m", "measured position")),
-        "force": (("time", "muscle"), y[:, 1:] * s.force, _about("N", "measured tendon forces")),
-        "position_hat": (alone, s.metres(x1), _about("m", "estimated position")),
-        "velocity_hat": (alone, s.velocity(stacked("x2")), _about("m/s", "estimated velocity")),
-        "disturbance_hat": (alone, s.disturbance(stacked("Delta")), _about("N", "estimated external force")),
-        "tendon_length_hat": (both, s.metres(L_S), _about("m", "estimated tendon lengths")),
-        "fibre_length_hat": (both, s.metres(L_m - L_S), _about("m", "estimated fibre lengths")),
-        "fibre_velocity_hat": (
-            both,
-            s.fibre_velocity(stacked("u1", "u2")),
-            _about("m/s", "estimated fibre velocities, positive when the fibre lengthens"),
+    def of_joint(dims: tuple[str, ...], values: Array, quantity: str, sentence: str) -> Variable:
+        about = _about(_unit(s.sliding, quantity), sentence)
+        return ((*dims, "joint"), values, about) if subject.joints else (dims, values[..., 0], about)
+
+    def of_muscle(dims: tuple[str, ...], values: np.ndarray[Any, Any], unit: str, sentence: str) -> Variable:
+        return (*dims, "muscle"), values, _about(unit, sentence)
+
+    q, Delta, L_S, u = (
+        stacked(names) for names in (system.joint("q"), system.joint("Delta"), *map(system.muscle, ("L_S", "u")))
+    )
+    L_C, along = _fibres(s.metres(subject.laws.lengths(q) - L_S), subject.heights)
+    data: dict[str, Variable] = {
+        "position": of_joint(("time",), s.positions(y[:, :joints]), "position", "measured positions"),
+        "force": of_muscle(("time",), y[:, joints:] * s.force, "N", "measured tendon forces"),
+        "position_hat": of_joint(of_observers, s.positions(q), "position", "estimated positions"),
+        "velocity_hat": of_joint(
+            of_observers, s.velocities(stacked(system.joint("dq"))), "velocity", "estimated velocities"
         ),
-        "activation_hat": (both, stacked("a1", "a2"), _about("1", "estimated activations, within [0, 1]")),
-        "position_innovation": (alone, s.metres(y[:, 0] - x1), _about("m", "measured less estimated position")),
-        "tendon_innovation": (
-            both,
-            s.metres(z - L_S),
-            _about("m", "tendon length of the measured force less the estimated one"),
+        "disturbance_hat": of_joint(
+            of_observers, subject.disturbance(q, Delta), "disturbance", "estimated external forces"
         ),
-        "velocity_limited": (both, limited("u"), _about("1", "1 where a fibre is faster than the activation allows")),
-        "activation_limited": (both, limited("a"), _about("1", "1 where the activation would be below 0 or above 1")),
-        "slack": (
-            ("time", "muscle"),
-            (y[:, 1:] <= 0).astype(np.int8),
-            _about("1", "1 where no force is measured: the tendon length is not determined"),
+        "tendon_length_hat": of_muscle(of_observers, s.metres(L_S), "m", "estimated tendon lengths"),
+        "fibre_length_hat": of_muscle(of_observers, L_C, "m", "estimated fibre lengths"),
+        "fibre_velocity_hat": of_muscle(
+            of_observers,
+            s.fibre_velocity(u) * along,
+            "m/s",
+            "estimated fibre velocities, positive when the fibre lengthens",
+        ),
+        "activation_hat": of_muscle(
+            of_observers, stacked(system.muscle("a")), "1", "estimated activations, within [0, 1]"
+        ),
+        "position_innovation": of_joint(
+            of_observers, s.positions(y[:, :joints] - q), "position", "measured less estimated positions"
+        ),
+        "tendon_innovation": of_muscle(
+            of_observers, s.metres(z - L_S), "m", "tendon length of the measured force less the estimated one"
+        ),
+        "velocity_limited": limited("u"),
+        "activation_limited": limited("a"),
+        "slack": of_muscle(
+            ("time",),
+            (y[:, joints:] <= 0).astype(np.int8),
+            "1",
+            "1 where no force is measured: the tendon length is not determined",
         ),
         "bridged": (
             ("time",),
@@ -95,21 +121,46 @@ def estimate_dataset(case: Case, results: Mapping[str, Result], library: str) ->
             _about("1", "1 where a gap of the recording was bridged"),
         ),
         # no attribute: the tables of a user's curves are longer than these may be
-        "muscle_file": ((), np.array(json.dumps(muscle_file(case.pair))), {"long_name": "the muscles in SI, as JSON"}),
+        "muscle_file": (
+            (),
+            np.array(json.dumps(subject.file)),
+            {"long_name": "the muscles in SI, and what they pull, as JSON"},
+        ),
     }
-    data |= deviations(case, results)
+    data |= deviations(case, results, {name: _unit(s.sliding, name) for name in _UNITS})
     for name, (unit, sentence) in TRUE.items():
-        columns = [f"{name}_{j}" for j in _MUSCLES] if name in PER_MUSCLE else [name]
-        if all(column in recording.true for column in columns):
+        columns = subject.names.get(name, ())
+        if columns and all(column in recording.true for column in columns):
             values = np.stack([recording.true[column][case.kept] for column in columns], axis=-1)
-            dims = ("time", "muscle") if len(columns) > 1 else ("time",)
-            data[f"true_{name}"] = (dims, values if len(columns) > 1 else values[:, 0], _about(unit, sentence))
-    coordinates = {
+            known = of_joint(("time",), values, name, sentence) if name in PER_JOINT else None
+            data[f"true_{name}"] = known or of_muscle(("time",), values, unit, sentence)
+    coordinates: dict[str, Any] = {
         "time": ("time", recording.time[case.kept], {"long_name": "time", "units": "s"}),
         "observer": list(results),
-        "muscle": list(_MUSCLES),
+        "muscle": list(subject.labels),
+        **({"joint": list(subject.joints)} if subject.joints else {}),
     }
     return xr.Dataset(data, coordinates, _manifest(case, results, library))
+
+
+_LIMITED = {
+    "u": "1 where a fibre is faster than the activation allows",
+    "a": "1 where the activation would be below 0 or above 1",
+}
+
+
+def _unit(sliding: Sequence[bool], quantity: str) -> str:
+    """That of all joints, or both if some slide and some turn."""
+    slides, turns = _UNITS[quantity]
+    return slides if all(sliding) else f"{slides} or {turns}" if any(sliding) else turns
+
+
+def _fibres(L: Array, heights: Array) -> tuple[Array, Array]:
+    """Lengths of fibres that reach L along the tendon, and the cosines of their angles to it."""
+    # L_C cos α = L_m − L_S,  L_C sin α = h
+    oblique = np.hypot(L, heights)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.where(heights > 0, oblique, L), np.where(heights > 0, L / oblique, 1.0)
 
 
 def _about(unit: str, sentence: str) -> dict[str, str]:
@@ -119,7 +170,7 @@ def _about(unit: str, sentence: str) -> dict[str, str]:
 def _manifest(case: Case, results: Mapping[str, Result], library: str) -> dict[str, str]:
     """How the estimates were made; everything as text, for NetCDF."""
     recording = case.recording
-    curves = [muscle.curves for muscle in (case.pair.muscle1, case.pair.muscle2)]
+    curves = [muscle.curves for muscle in case.subject.muscles.values()]
     # how closely a user's tables are followed
     tables = {f"{curve_set.name}: {curve_set.sentence}": None for curve_set in curves if curve_set.name not in CURVES}
     return {

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Sequence
+import json
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 import xarray as xr
@@ -12,7 +13,7 @@ from ..files.datasets.netcdf import save_netcdf
 from ..files.progress import Progress, shares, unseen
 from ..files.tables import Series, write_csv, write_sto
 from ..files.writing import refuse_overwriting, refuse_read, remove_ours, write_whole
-from ..laboratory.columns import OPENSIM
+from ..laboratory.subject import subject_again
 from .scores import ESTIMATED, Score, scores_csv
 
 _TITLE = "estimates of {observer} from {source}"
@@ -47,21 +48,22 @@ def save_estimates(dataset: xr.Dataset, scores: list[Score], folder: Path, progr
     save_netcdf(dataset, netcdf)
     next(parts)(1.0)
     time = Series("time", "s", dataset.time.values)
-    position = Series("position", "m", dataset.position.values)
-    forces = [Series(f"force_{j}", "N", dataset.force.sel(muscle=j).values) for j in (1, 2)]
+    subject = subject_again(json.loads(str(dataset.muscle_file.values)))
+    names, opensim = subject.names, subject.columns.opensim
+    positions, forces = (list(_parts(dataset[name], names[name])) for name in ("position", "force"))
     prefixes = {name: f"{name}." if len(observers) > 1 else "" for name in observers}
     estimates = [
         Series(f"{prefix}{column}{suffix}", values.attrs["units"], values.values)
         for name, prefix in prefixes.items()
-        for column, suffix, values in _columns(dataset, name)
+        for column, suffix, values in _columns(dataset, name, names)
     ]
-    write_csv(table, [time, position, *forces, *estimates])
+    write_csv(table, [time, *(Series(c, v.attrs["units"], v.values) for c, v in (*positions, *forces)), *estimates])
     next(parts)(1.0)
     for name, path in zip(observers, of_observers, strict=False):
-        columns = [Series(OPENSIM[force.name], force.unit, force.values) for force in forces]
+        columns = [Series(opensim[column], values.attrs["units"], values.values) for column, values in forces]
         columns += [
-            Series(OPENSIM[column] + suffix.removeprefix(_HAT), values.attrs["units"], values.values)
-            for column, suffix, values in _columns(dataset, name)
+            Series(opensim[column] + suffix.removeprefix(_HAT), values.attrs["units"], values.values)
+            for column, suffix, values in _columns(dataset, name, names)
         ]
         write_sto(path, _TITLE.format(observer=name, source=dataset.attrs["source"]), [time, *columns])
         next(parts)(1.0)
@@ -90,12 +92,25 @@ def _leftovers(folder: Path, written: Sequence[Path]) -> list[Path]:
     return [path for path in candidates if path not in written]
 
 
-def _columns(dataset: xr.Dataset, observer: str) -> Iterator[tuple[str, str, xr.DataArray]]:
+def _columns(
+    dataset: xr.Dataset, observer: str, names: Mapping[str, tuple[str, ...]]
+) -> Iterator[tuple[str, str, xr.DataArray]]:
     """The estimates by the names that columns of a recording have, then their standard deviations, if known."""
     of = dataset.sel(observer=observer)
     for suffix, name in itertools.product((_HAT, *_DEVIATIONS), ESTIMATED):
         if suffix in _DEVIATIONS and (name + suffix not in of or of[name + suffix].isnull().all()):
             continue
-        values = of[name + suffix]
-        parts = {f"{name}_{j}": values.sel(muscle=j) for j in (1, 2)} if "muscle" in values.dims else {name: values}
-        yield from ((column, suffix, part) for column, part in parts.items())
+        yield from ((column, suffix, part) for column, part in _parts(of[name + suffix], names[name]))
+
+
+def _parts(values: xr.DataArray, names: Sequence[str]) -> Iterator[tuple[str, xr.DataArray]]:
+    """The column of each joint or muscle, with its unit."""
+    dims = [dim for dim in ("joint", "muscle") if dim in values.dims]
+    if not dims:
+        yield names[0], values
+        return
+    for column, label in zip(names, values[dims[0]].values.tolist(), strict=True):
+        part = values.sel({dims[0]: label})
+        slides, _, turns = str(values.attrs["units"]).partition(" or ")
+        unit = turns if turns and column.startswith("angl") else slides
+        yield column, part.assign_attrs(units=unit)

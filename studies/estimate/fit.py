@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from ...model.arrays import Array
+from ...model.system import pair_system
 from ...observers import OBSERVERS, estimator
 from ...observers.kalman.parameters import INPUTS as OF_INPUTS
 from ...observers.kalman.parameters import NOISE
@@ -20,6 +21,7 @@ from ..files.quote import shown
 from ..kalman.orders import chosen_inputs, manifest
 from ..kalman.record import Record, segments, settled
 from ..kalman.run import INPUTS
+from ..laboratory.laws import Laws
 from ..laboratory.muscles import MusclePair
 from ..laboratory.recording import Recording
 from ..scenarios.layers import SUFFIX, Value, layers, shipped
@@ -111,12 +113,13 @@ def _of_scenario(source: str | Path, changes: Mapping[str, Value], progress: Pro
     if not np.isfinite(y).all():
         raise ScenarioError(f"{prepared.label}: the plant fails; there is nothing to be likely")
     curves, paths = prepared.scenario.curves, prepared.paths
-    compiled, block = compiled_bank(follower_bank(curves, False, ())), estimator(OBSERVERS[KALMAN].build(), curves)
+    compiled = compiled_bank(follower_bank(pair_system(curves), False, ()))
+    block = estimator(OBSERVERS[KALMAN].block(), pair_system(curves))
     given = prepared.scenario.given
     tendons = lengths_block(compiled.bank)
     z, slopes = measured_tendons(compiled, np.array(paths_of([tendons]).values(tendons, given)), y)
     numbers = dict(zip(block.p, paths.values(block, given), strict=True))
-    sizes = first_pass(y.T, z.T, numbers["m"], T)
+    sizes = first_pass(Laws(pair_system(curves), numbers), y, z, T).pair
     tau: Array = np.arange(float(len(y))) * T
     record = Record(tau, y, z, slopes, np.ones(len(y), dtype=bool), numbers, sizes, T, curves)
     by_hand = {name: given[path] for path in changes for name in [path.removeprefix(f"{KALMAN}.")] if name != path}

@@ -45,8 +45,9 @@ def fitted_result(case: Case, block: Block, numbers: Mapping[str, float], progre
 
 def record_of(case: Case, numbers: Mapping[str, float]) -> Record:
     """A recording as the filter's passes take it; numbers: values of the filter's parameters by name."""
+    sizes, curves = case.sizes.pair, case.pair.curves
     return about_estimates(
-        Record(case.tau, case.y, case.z, case.slopes, ~case.gaps, numbers, case.sizes, case.period, case.pair.curves)
+        Record(case.tau, case.y, case.z, case.slopes, ~case.gaps, numbers, sizes, case.period, curves)
     )
 
 

@@ -13,11 +13,10 @@ from ...codegen.recordings.filters import CompiledBank, Filter
 from ...codegen.stepper import STAGES
 from ...model.arrays import Array
 from ...model.block import Block, Symbols, symbols
-from ...model.curves import Curves
-from ...model.symbols import MEASURED
+from ...model.system import System
 from ...observers import Observer, estimator_of
 from ...observers.slopes import tendon_slopes
-from ...observers.tendons import LENGTHS, tendons, tendons_of_a_step
+from ...observers.tendons import tendons, tendons_of_a_step
 
 # samples between two words of progress
 _CHUNK = 65_536
@@ -27,16 +26,16 @@ _LENGTHS = "lengths"
 
 
 @functools.lru_cache(maxsize=8)
-def follower_bank(curves: Curves, corrected: bool, observers: tuple[Observer, ...]) -> Bank:
+def follower_bank(system: System, corrected: bool, observers: tuple[Observer, ...]) -> Bank:
     """All of these observers that follow samples one by one, and first one that only tells the tendons' state."""
-    blocks = [estimator_of(observer, corrected, curves) for observer in observers if not observer.fitted]
-    return Bank(MEASURED, tendons(curves), tendons_of_a_step(STAGES, curves), (_lengths(curves), *blocks))
+    blocks = [estimator_of(observer, corrected, system) for observer in observers if not observer.fitted]
+    return Bank(system.measured, tendons(system), tendons_of_a_step(STAGES, system), (_lengths(system), *blocks))
 
 
 @functools.lru_cache(maxsize=8)
-def fitted_blocks(curves: Curves, corrected: bool, observers: tuple[Observer, ...]) -> tuple[Block, ...]:
+def fitted_blocks(system: System, corrected: bool, observers: tuple[Observer, ...]) -> tuple[Block, ...]:
     """The others, to which a recording is given as a whole."""
-    return tuple(estimator_of(observer, corrected, curves) for observer in observers if observer.fitted)
+    return tuple(estimator_of(observer, corrected, system) for observer in observers if observer.fitted)
 
 
 @functools.lru_cache(maxsize=8)
@@ -46,10 +45,11 @@ def compiled_bank(bank: Bank) -> CompiledBank:
 
 
 def measured_tendons(compiled: CompiledBank, numbers: Array, y: Array) -> tuple[Array, Array]:
-    """Lengths L_S1, L_S2 (n × 2) of measurements y (n × 3), and the slopes of the tendons there (n × 2)."""
+    """Tendon lengths (n × muscles) that measurements y tell, and the slopes of the tendons there (n × muscles)."""
     # without states time does not matter
     told = compiled.follow(_LENGTHS, numbers, 1).samples(np.arange(float(len(y))), y).y
-    return told[:, : len(LENGTHS)], told[:, len(LENGTHS) :]
+    muscles = told.shape[1] // 2
+    return told[:, :muscles], told[:, muscles:]
 
 
 def lengths_block(bank: Bank) -> Block:
@@ -81,9 +81,8 @@ def _filled(t: Array, y: Array, period: float) -> tuple[Array, Array, NDArray[np
     return np.interp(n, places, t), np.stack([np.interp(n, places, column) for column in y.T], axis=1), places
 
 
-def _lengths(curves: Curves) -> Block:
-    slopes = tendon_slopes(curves)
-    u = Symbols({**symbols(MEASURED), **slopes.u})
-    return Block(
-        _LENGTHS, u=u, p=slopes.p, parameters=slopes.parameters, y=Symbols({**slopes.u.only(LENGTHS), **slopes.y})
-    )
+def _lengths(system: System) -> Block:
+    slopes = tendon_slopes(system)
+    u = Symbols({**symbols(system.measured), **slopes.u})
+    y = Symbols({**slopes.u.only(system.tendons), **slopes.y})
+    return Block(_LENGTHS, u=u, p=slopes.p, parameters=slopes.parameters, y=y)

@@ -16,9 +16,8 @@ from ...codegen.bank import Bank
 from ...codegen.recordings.filters import CompiledBank
 from ...model.arrays import Array
 from ...model.block import Block
-from ...model.symbols import MEASURED, hat
+from ...model.symbols import hat
 from ...observers import OBSERVERS, Observer
-from ...observers.tendons import LENGTHS
 from ..files.errors import RecordingError, ScenarioError
 from ..files.numbers import number, switch, whole
 from ..files.progress import Progress, shares, unseen
@@ -27,10 +26,11 @@ from ..kalman.orders import SECOND_PASS
 from ..kalman.record import Record
 from ..kalman.run import AUTO, FORMS, compile_passes
 from ..laboratory.gaps import bridged, refuse_impossible, refuse_long_steps
-from ..laboratory.muscles import MusclePair, read_muscles
+from ..laboratory.mechanisms.mechanism import Mechanism
+from ..laboratory.muscles import MusclePair
 from ..laboratory.recording import Recording, read_recording
 from ..laboratory.samples import MOST_NUMBERS
-from ..laboratory.scales import scales
+from ..laboratory.subject import Subject, pair_subject, subject_of
 from ..scenarios.layers import Value
 from ..scenarios.observers import Observers, compiled_with, observers_named, own_among, refuse_taken
 from ..scenarios.paths import Paths, paths_of
@@ -62,7 +62,7 @@ KALMAN = "kalman"
 
 def estimate(
     recording: str | Path | Recording,
-    muscles: str | Path | MusclePair,
+    muscles: str | Path | MusclePair | Mechanism | Subject,
     observers: Observers = None,
     mapping: Mapping[str, str] | None = None,
     corrected: bool = True,
@@ -78,7 +78,8 @@ def estimate(
     """Follow a recording with observers and return velocities, lengths, activations and disturbance in SI.
 
     recording: CSV, .sto or .mot, also gzipped, with time, position, force_1, force_2; or one that was read.
-    muscles: a muscle file, or one that was read. observers: registered names, or Blocks of your own, which have their
+    muscles: a muscle or mechanism file, or one that was read; a mechanism's columns are named after its joints and
+    muscles, docs/mechanisms.md. observers: registered names, or Blocks of your own, which have their
     own numbers, known to no rule; the paper's three by default. mapping: name → column of the file, `column[unit]`.
     corrected: the sliding mode observers' layers are corrected. changes: gains by hand, path → value, such as
     {"high_gain.eps_h": 0.05}; all others follow the rule, docs/gains.md. keep_every: keep every n-th estimate; the
@@ -88,24 +89,25 @@ def estimate(
     know the samples until then; by default they know no later sample.
     doubt: how far numbers may be off, such as {"optimal_fibre_length": "3%", "muscle1.F_max": 50, "force_bias": "5N"};
     beside these count those of the muscle file and the usual ones, docs/observers.md#bands, unless not usual_doubt.
-    The Dataset has the dimensions time, observer, muscle. RecordingError, ScenarioError for what is wrong with the
+    The Dataset has the dimensions time, observer, muscle, of a mechanism also joint.
+    RecordingError, ScenarioError for what is wrong with the
     files, BuildError if nothing can be compiled.
     """
     chosen = observers_named(observers)
-    pair = muscles if isinstance(muscles, MusclePair) else read_muscles(muscles)
-    bank, whole = _bank(pair, switch("corrected", corrected), chosen), _whole(pair, corrected, chosen)
+    subject = subject_of(muscles)
+    bank, whole = _bank(subject, switch("corrected", corrected), chosen), _whole(subject, corrected, chosen)
     paths = _paths(bank, whole)
     settings = _settings(corrected, changes or {}, keep_every, paths, chosen)
     settings = replace(settings, **_smoothing(chosen, form, smooth, lag))
-    known = doubts(pair, {} if doubt is None else doubt, switch("usual_doubt", usual_doubt))
+    known = doubts(subject, {} if doubt is None else doubt, switch("usual_doubt", usual_doubt))
     if isinstance(recording, Recording):
         parts, read = shares(progress or unseen, [1] * len(chosen)), recording
     else:
         parts = shares(progress or unseen, [1] * (1 + len(chosen)))
-        read = read_recording(recording, mapping, next(parts))
+        read = read_recording(recording, mapping, next(parts), subject.columns)
     _check_size(len(read), settings.keep_every, len(chosen))
     compiled = compiled_bank(bank)
-    case = _case(read, pair, compiled, paths, settings, known)
+    case = _case(read, subject, compiled, paths, settings, known)
     blocks = {block.name: block for block in (*bank.observers, *whole)}
     results = {
         name: (_pass if observer.fitted else _follow)(case, compiled, paths, blocks[name], observer, next(parts))
@@ -114,14 +116,14 @@ def estimate(
     return estimate_dataset(case, results, str(compiled.path.stem))
 
 
-def compile_observers(muscles: MusclePair, observers: Observers = None, corrected: bool = True) -> None:
+def compile_observers(subject: Subject, observers: Observers = None, corrected: bool = True) -> None:
     """Compile what `estimate` needs for these, or load it from the cache: once, and then estimates begin at once."""
-    compile_first_pass()
-    compile_sensitivities(muscles.curves)
+    compile_first_pass(subject.system)
     chosen = observers_named(observers)
-    compiled_bank(_bank(muscles, corrected, chosen))
-    if any(observer.fitted for observer in chosen.values()):
-        compile_passes(muscles.curves)
+    compiled_bank(_bank(subject, corrected, chosen))
+    compile_sensitivities(subject)
+    if subject.pair and any(observer.fitted for observer in chosen.values()):
+        compile_passes(subject.pair.curves)
 
 
 def recorded(
@@ -132,25 +134,34 @@ def recorded(
     changes: path → value of its numbers by hand.
     """
     chosen = observers_named(KALMAN)
-    bank, (block,) = _bank(pair, True, chosen), _whole(pair, True, chosen)
+    subject = pair_subject(pair)
+    bank, (block,) = _bank(subject, True, chosen), _whole(subject, True, chosen)
     paths = _paths(bank, [block])
-    case = _case(read, pair, compiled_bank(bank), paths, Settings(True, changes, 1), {})
+    case = _case(read, subject, compiled_bank(bank), paths, Settings(True, changes, 1), {})
     return case, record_of(case, _numbers(case, paths, block))
 
 
-def _bank(pair: MusclePair, corrected: bool, chosen: Mapping[str, Observer]) -> Bank:
-    bank = follower_bank(pair.curves, corrected, compiled_with(chosen))
+def _bank(subject: Subject, corrected: bool, chosen: Mapping[str, Observer]) -> Bank:
+    bank = follower_bank(subject.system, corrected, _compiled(subject, chosen))
     own = own_among(chosen)
     refuse_taken(own, {lengths_block(bank).name})
     for name, observer in own.items():
-        if observer.build().per_step:
+        if observer.block().per_step:
             raise ScenarioError(f"{name} moves at the points of a time grid, and a recording has none")
     return bank
 
 
-def _whole(pair: MusclePair, corrected: bool, chosen: Mapping[str, Observer]) -> tuple[Block, ...]:
+def _whole(subject: Subject, corrected: bool, chosen: Mapping[str, Observer]) -> tuple[Block, ...]:
     """Those that a recording is given to as a whole."""
-    return fitted_blocks(pair.curves, corrected, compiled_with(chosen))
+    return fitted_blocks(subject.system, corrected, _compiled(subject, chosen))
+
+
+def _compiled(subject: Subject, chosen: Mapping[str, Observer]) -> tuple[Observer, ...]:
+    """Those of its library: of a mechanism those that are made of chains, and what was asked for."""
+    banked = compiled_with(chosen)
+    if subject.pair:
+        return banked
+    return tuple(observer for observer in banked if observer.chains or observer in chosen.values())
 
 
 def _paths(bank: Bank, whole: Iterable[Block]) -> Paths:
@@ -201,7 +212,7 @@ def _check_size(samples: int, keep_every: int, observers: int) -> None:
 
 def _case(
     read: Recording,
-    pair: MusclePair,
+    subject: Subject,
     compiled: CompiledBank,
     paths: Paths,
     settings: Settings,
@@ -209,11 +220,12 @@ def _case(
 ) -> Case:
     if len(read) < 2:
         raise RecordingError(f"{read.source}: has one row of numbers; observers need two or more")
-    refuse_impossible(read, pair)
+    refuse_impossible(read, subject)
     inputs, gaps = bridged(read)
-    s = scales(pair)
+    s, system = subject.scales, subject.system
     tau = s.tau(read.time - read.time[0])
-    y = np.column_stack([s.lengths(inputs[:, 0]), s.forces(inputs[:, 1]), s.forces(inputs[:, 2])])
+    joints = len(system.joints)
+    y = np.column_stack([inputs[:, :joints] / s.coordinates, s.forces(inputs[:, joints:])])
     period = float(np.median(np.diff(tau)))
     if period > _LONGEST_PERIOD:
         raise RecordingError(
@@ -222,8 +234,8 @@ def _case(
         )
     refuse_long_steps(read)
     z, slopes = measured_tendons(compiled, np.array(paths.values(lengths_block(compiled.bank), s.numbers)), y)
-    sizes = first_pass(y.T, z.T, s.numbers["plant.m"], period, tau)
-    return Case(read, pair, s, tau, y, z, slopes, gaps, sizes, settings, doubt)
+    sizes = first_pass(subject.laws, y, z, period, tau)
+    return Case(read, subject, tau, y, z, slopes, gaps, sizes, settings, doubt)
 
 
 def _pass(
@@ -241,15 +253,17 @@ def _follow(
     case: Case, compiled: CompiledBank, paths: Paths, block: Block, observer: Observer, progress: Progress
 ) -> Result:
     name = block.name
-    rule = {f"{name}.{gain}": value for gain, value in observer.gains(case.sizes, case.period).items()}
+    system = case.subject.system
+    rule = {f"{name}.{gain}": value for gain, value in observer.gains_of(system, case.sizes, case.period).items()}
     by_hand = {path: value for path, value in case.settings.changes.items() if path.partition(".")[0] == name}
     # an observer that is not corrected has no use for some
     gains = {path: value for path, value in {**rule, **by_hand}.items() if path.partition(".")[2] in block.p}
     numbers = paths.values(block, {**case.scales.numbers, **gains, **_start(case)})
-    first = {"t": 0.0, **dict(zip((*MEASURED, *LENGTHS), [*case.y[0], *case.z[0]], strict=True))}
+    first = {"t": 0.0, **dict(zip((*system.measured, *system.tendons), [*case.y[0], *case.z[0]], strict=True))}
     by_name = dict(zip(block.p, numbers, strict=True))
-    steps = substeps(observer, block, by_name, first, case.period)
-    violated = [c for c in gain_conditions(observer, by_name, case.sizes, case.period / steps) if not c.holds]
+    steps = substeps(observer, system, block, by_name, first, case.period)
+    checked = gain_conditions(observer, system, by_name, case.sizes, case.period / steps)
+    violated = [condition for condition in checked if not condition.holds]
     filter_ = compiled.follow(name, np.array(numbers), steps)
     kept = len(range(len(case.tau))[case.kept])
     y, guards, place = np.empty((kept, len(block.y))), np.empty((kept, len(block.guards))), 0
@@ -264,9 +278,12 @@ def _follow(
 
 
 def _start(case: Case) -> dict[str, float]:
-    """x̂(0) from the first sample."""
-    x = (case.y[0, 0], 0.0, case.z[0, 0], case.z[0, 1])
-    return {f"initial.{hat(f'x{i}')}": float(value) for i, value in enumerate(x, start=1)}
+    """x̂(0) from the first sample, at rest."""
+    system = case.subject.system
+    first = [*case.y[0, : len(system.joints)], *case.z[0]]
+    known = dict(zip((*system.joint("q"), *system.muscle("L_S")), first, strict=True))
+    known |= dict.fromkeys(system.joint("dq"), 0.0)
+    return {f"initial.{hat(name)}": float(value) for name, value in known.items()}
 
 
 def _named(names: Mapping[str, object], columns: Array) -> dict[str, Array]:

@@ -18,12 +18,16 @@ SETTLED = 1.0
 WITHIN_95 = 1.96
 # what observers estimate of a recording, scored where the truth is known
 ESTIMATED = ("position", "velocity", "disturbance", "tendon_length", "fibre_length", "fibre_velocity", "activation")
-BOTH = "both"
+# all joints or all muscles together, and what has no parts
+TOGETHER = ("", "both", "all")
 
 
 @dataclass(frozen=True)
 class Score:
-    """Root mean square and largest error after SETTLED, in `unit`; muscle is 1, 2, both or empty."""
+    """Root mean square and largest error after SETTLED, in `unit`.
+
+    muscle: 1, 2, both or empty of a pair; the name of a muscle or joint of a mechanism, or all.
+    """
 
     observer: str
     quantity: str
@@ -57,8 +61,10 @@ def _scores(late: xr.Dataset) -> Iterator[Score]:
             estimates = late[f"{quantity}_hat"]
             error = estimates.sel(observer=observer) - late[f"true_{quantity}"]
             parts = {"": error}
-            if "muscle" in error.dims:
-                parts = {BOTH: error, **{str(j): error.sel(muscle=j) for j in (1, 2)}}
+            for dim in {"muscle", "joint"} & set(error.dims):
+                labels = error[dim].values.tolist()
+                together = "both" if len(labels) == 2 else "all"
+                parts = {together: error, **{str(label): error.sel({dim: label}) for label in labels}}
             for muscle, part in parts.items():
                 rmse, peak = float(np.sqrt((part**2).mean())), float(np.abs(part).max())
                 if observer in failed:

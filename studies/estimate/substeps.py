@@ -13,8 +13,8 @@ import numpy as np
 
 from ...model.arrays import Array
 from ...model.block import Block, Symbols
+from ...model.system import System
 from ...observers import Observer
-from ...observers.observer import Rates
 from ..files.errors import ScenarioError
 
 # more means that the gains belong to other data
@@ -24,14 +24,20 @@ _ROUNDING = 1e-9
 
 
 def substeps(
-    observer: Observer, block: Block, numbers: Mapping[str, float], start: Mapping[str, float], T: float
+    observer: Observer,
+    system: System,
+    block: Block,
+    numbers: Mapping[str, float],
+    start: Mapping[str, float],
+    T: float,
 ) -> int:
     """RK4 steps in a sampling period T of `block`, which `observer` has built, with these numbers (name → value).
 
     start: inputs at the first sample, for an observer that does not tell its rates; then the eigenvalues of ∂ẋ/∂x there
     count. ScenarioError if no reasonable number of steps will do.
     """
-    fastest = _fastest(block, observer.rates, numbers) if observer.rates else _spectral_radius(block, numbers, start)
+    rates = observer.rates_of(system, block.p)
+    fastest = _spectral_radius(block, numbers, start) if rates is None else _fastest(block, rates, numbers)
     n = T * fastest / observer.limit
     if not n <= _MOST:
         raise ScenarioError(
@@ -41,8 +47,7 @@ def substeps(
     return max(1, math.ceil(n - _ROUNDING))
 
 
-def _fastest(block: Block, rates: Rates, numbers: Mapping[str, float]) -> float:
-    named = rates(block.p)
+def _fastest(block: Block, named: Mapping[str, ca.SX], numbers: Mapping[str, float]) -> float:
     expressions = ca.vertcat(*named.values())
     if not named:
         return 0.0

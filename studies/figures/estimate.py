@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import xarray as xr
@@ -34,12 +33,11 @@ _HEIGHTS = (_ROW, _ROW)
 _MARGIN = 0.08
 # observers side by side; further ones stand below, as evenly as can be
 _MOST_COLUMNS = 4
-# observers have colours, what was measured has none
-_POSITION: style.Style = {"color": "0.25", "linewidth": 0.8}
-_FORCES: Mapping[int, style.Style] = {
-    1: {"color": "0.25", "linewidth": 0.6},
-    2: {"color": "0.65", "linewidth": 0.6},
-}
+# observers have colours, what was measured has none: greys from dark to light, pairs of them with the same dashes
+_DARK, _LIGHT = 0.25, 0.65
+_DASHES = ("-", "--", ":", "-.")
+# names beside each other above a panel
+_NAMES = 6
 # a scale of its own for an observer with values so many times as large as the usual one has
 _HIDES = 8.0
 # along a panel
@@ -55,28 +53,54 @@ class Panel:
     variable: str
     words: str
     factor: float = 1.0
-    muscle: int = 0  # 0 where the variable has none
+    muscle: int | str = ""  # empty where the variable has none
+    joint: str = ""
     true: str = ""
     height: float = _ROW
     limits: tuple[float, float] | None = None  # those of the values if None
 
 
 _ACTIVATION = (-0.03, 1.03)
-_PANELS = (
-    Panel("activation_hat", "activation 1", 1.0, 1, "true_activation", _TALL, _ACTIVATION),
-    Panel("activation_hat", "activation 2", 1.0, 2, "true_activation", _TALL, _ACTIVATION),
-    Panel("velocity_hat", "velocity\nmm/s", 1e3, true="true_velocity"),
-    Panel("fibre_length_hat", "fibre 1\nmm", 1e3, 1, "true_fibre_length"),
-    Panel("fibre_length_hat", "fibre 2\nmm", 1e3, 2, "true_fibre_length"),
-    Panel("disturbance_hat", "external\nforce, N", true="true_disturbance"),
-    # where the truth is known
-    Panel("activation_error", "error of\nactivation 1", 1.0, 1),
-    Panel("activation_error", "error of\nactivation 2", 1.0, 2),
-    # what an observer leaves unexplained
-    Panel("position_innovation", "innovation\nposition, mm", 1e3),
-    Panel("tendon_innovation", "innovation\ntendon 1, mm", 1e3, 1),
-    Panel("tendon_innovation", "innovation\ntendon 2, mm", 1e3, 2),
-)
+# a sheet of more muscles shows what they do, and not each length and each error
+_MOST_IN_FULL = 2
+# unit of the Dataset → that on paper, and how many of these it is
+_ON_PAPER = {"m": ("mm", 1e3), "m/s": ("mm/s", 1e3)}
+
+
+def _panels(thin: xr.Dataset) -> list[Panel]:
+    """What the sheet shows, from activations down to what an observer leaves unexplained."""
+    muscles = thin.muscle.values.tolist()
+    joints = thin.joint.values.tolist() if "joint" in thin.dims else [""]
+
+    # a pair's names are short, and stand beside words; others stand below
+    below, unit_of = ("\n", "\n") if "joint" in thin.dims else (" ", ", ")
+
+    def of_joints(variable: str, words: str, alone: str = "", true: str = "") -> list[Panel]:
+        unit, factor = _ON_PAPER.get(thin[variable].attrs["units"], (thin[variable].attrs["units"], 1.0))
+        return [
+            Panel(variable, f"{words}\n{name}{unit_of if name else ''}{unit}", factor, joint=joint, true=true)
+            for joint in joints
+            for name in [joint or alone]
+        ]
+
+    def of_muscles(variable: str, words: str, true: str = "", unit: str = "") -> list[Panel]:
+        before = unit_of if "\n" in words else "\n"
+        tail, factor = (before + unit, 1e3) if unit else ("", 1.0)
+        return [Panel(variable, f"{words}{below}{muscle}{tail}", factor, muscle, true=true) for muscle in muscles]
+
+    full = len(muscles) <= _MOST_IN_FULL
+    activations = of_muscles("activation_hat", "activation", "true_activation")
+    return [
+        *(replace(panel, height=_TALL, limits=_ACTIVATION) for panel in activations),
+        *of_joints("velocity_hat", "velocity", true="true_velocity"),
+        *(of_muscles("fibre_length_hat", "fibre", "true_fibre_length", "mm") if full else ()),
+        *of_joints("disturbance_hat", "external", "force", "true_disturbance"),
+        # where the truth is known
+        *(of_muscles("activation_error", "error of\nactivation") if full and "activation_error" in thin else ()),
+        # what an observer leaves unexplained
+        *of_joints("position_innovation", "innovation", "position"),
+        *(of_muscles("tendon_innovation", "innovation\ntendon", unit="mm") if full else ()),
+    ]
 
 
 def estimate_sheet(dataset: xr.Dataset) -> Figure:
@@ -88,7 +112,7 @@ def estimate_sheet(dataset: xr.Dataset) -> Figure:
     thin = dataset.isel(time=slice(None, None, -(-dataset.sizes["time"] // _MOST_POINTS)))
     if "true_activation" in thin:
         thin = thin.assign(activation_error=thin.activation_hat - thin.true_activation)
-    shown = [panel for panel in _PANELS if panel.variable in thin]
+    shown = _panels(thin)
     observers = thin.observer.values.tolist()
     tiers = -(-len(observers) // _MOST_COLUMNS)
     columns = -(-len(observers) // tiers)
@@ -130,14 +154,34 @@ def estimate_sheet(dataset: xr.Dataset) -> Figure:
 
 
 def _measured(upper: Axes, lower: Axes, thin: xr.Dataset) -> None:
-    upper.plot(thin.time.values, thin.position.values * 1e3, **_POSITION)
-    upper.set_ylabel("position\nmm")
+    """Positions and forces, each line with its name where there are several."""
+    joints = thin.joint.values.tolist() if "joint" in thin.dims else []
+    unit, factor = _ON_PAPER.get(thin.position.attrs["units"], (thin.position.attrs["units"], 1.0))
+    positions = np.atleast_2d((thin.position.values * factor).T)
+    for values, look, name in zip(positions, _greys(len(positions)), joints or [None], strict=True):
+        upper.plot(thin.time.values, values, **look, label=name)
+    upper.set_ylabel(f"position\n{unit}")
     upper.tick_params(labelbottom=False)
-    for j, look in _FORCES.items():
-        lower.plot(thin.time.values, thin.force.sel(muscle=j).values, **look, label=f"tendon {j}")
+    muscles = thin.muscle.values.tolist()
+    words = "{}" if joints else "tendon {}"
+    for muscle, look in zip(muscles, _greys(len(muscles), thin=True), strict=True):
+        lower.plot(thin.time.values, thin.force.sel(muscle=muscle).values, **look, label=words.format(muscle))
     lower.set_ylabel("force\nN")
-    # above its panel, not over the data
-    lower.legend(loc="lower right", bbox_to_anchor=(1, 0.95), ncols=2, borderaxespad=0, labelspacing=0)
+    for axes, count in ((upper, len(joints)), (lower, len(muscles))):
+        if count > 1:
+            # above its panel, not over the data
+            axes.legend(
+                loc="lower right", bbox_to_anchor=(1, 0.95), ncols=min(count, _NAMES), borderaxespad=0, labelspacing=0
+            )
+
+
+def _greys(count: int, thin: bool = False) -> list[style.Style]:
+    """Lines of what was measured, which has no colour."""
+    shades = np.linspace(_DARK, _LIGHT, count).tolist() if count > 1 else [_DARK]
+    return [
+        {"color": f"{shade:.2f}", "linewidth": 0.6 if thin else 0.8, "linestyle": _DASHES[i // 2 % len(_DASHES)]}
+        for i, shade in enumerate(shades)
+    ]
 
 
 def _draw(axes: Axes, thin: xr.Dataset, panel: Panel, observer: str, look: style.Style) -> None:
@@ -151,7 +195,8 @@ def _draw(axes: Axes, thin: xr.Dataset, panel: Panel, observer: str, look: style
 def _of(thin: xr.Dataset, panel: Panel, variable: str) -> xr.DataArray:
     """A variable of the Dataset as the panel shows it."""
     array = thin[variable] * panel.factor
-    return array.sel(muscle=panel.muscle) if panel.muscle else array
+    of = {name: label for name, label in (("muscle", panel.muscle), ("joint", panel.joint)) if label != ""}
+    return array.sel(of)
 
 
 def _limits(thin: xr.Dataset, panel: Panel) -> dict[str, tuple[float, float]]:

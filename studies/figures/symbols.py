@@ -57,4 +57,4 @@ def _letter(name: str) -> str:
 @functools.cache
 def _names() -> Counter[str]:
     """How many of the paper's observers have a parameter of each name."""
-    return Counter(name for owner in PAPER for name in estimator(OBSERVERS[owner].build()).parameters)
+    return Counter(name for owner in PAPER for name in estimator(OBSERVERS[owner].block()).parameters)

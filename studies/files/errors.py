@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
+from collections.abc import Iterator
+from pathlib import Path
+
 from ...model.errors import Error
 
 
@@ -23,3 +27,12 @@ class ResultError(Error, ValueError):
 
 class ClusterError(Error, RuntimeError):
     """A cluster cannot be used or was lost; the message says what to do."""
+
+
+@contextlib.contextmanager
+def in_file(path: Path | str) -> Iterator[None]:
+    """What is wrong with the content of a file, or a part of one, as a ScenarioError that names it."""
+    try:
+        yield
+    except ScenarioError as error:
+        raise ScenarioError(f"{path}: {error}") from error

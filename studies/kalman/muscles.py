@@ -12,6 +12,7 @@ from ...codegen.shared_library import compile_functions
 from ...model.arrays import Array
 from ...model.block import Block
 from ...model.curves import Curves
+from ...model.system import pair_system
 from ...observers.behind.activation import activation_estimate
 from ...observers.behind.spread import spread
 from ...observers.kalman.activations import linear_law
@@ -24,10 +25,9 @@ class CompiledMuscles:
     """The Blocks behind estimates as functions of many samples."""
 
     def __init__(self, curves: Curves) -> None:
-        self._blocks = {
-            block.name: block
-            for block in (activation_estimate(curves), spread(curves), linear_law(curves), tendon_lines(curves))
-        }
+        pair = pair_system(curves)
+        blocks = (activation_estimate(pair), spread(pair), linear_law(pair), tendon_lines(pair))
+        self._blocks = {block.name: block for block in blocks}
         self._library = compile_functions([_function(block) for block in self._blocks.values()])
 
     def outputs(self, name: str, numbers: Mapping[str, float], given: Mapping[str, Array]) -> dict[str, Array]:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...model.arrays import Array
 from ...model.curves import Curves
-from ...model.skeleton import pull
+from ...model.skeleton.load import pull
 from ...observers.kalman.inputs import INPUTS_MODEL
 from ...observers.observer import Sizes
 from ..files.errors import RecordingError

@@ -3,19 +3,43 @@
 from __future__ import annotations
 
 import difflib
+import functools
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from ..files.errors import RecordingError
 from ..files.quote import short, shown
-from .units import SI, UNITS, Unit, find_unit, unit_of
+from .units import IN_DEGREES, SI, UNITS, Unit, find_unit, unit_of
 
-# what a recording must have beside time
-REQUIRED = ("position", "force_1", "force_2")
 
-# name → what it measures; positions are those of the mass, forces those of the tendons
-COLUMNS: Mapping[str, str] = {
+@dataclass(frozen=True, eq=False)
+class Columns:
+    """The columns of a recording: those that it must have beside time, and all by name → quantity.
+
+    opensim: name → what OpenSim calls it; theirs: further names of OpenSim's files, as patterns → name.
+    """
+
+    required: tuple[str, ...]
+    known: Mapping[str, str]
+    opensim: Mapping[str, str]
+    theirs: Mapping[re.Pattern[str], str] = field(default_factory=dict)
+
+    def name(self, text: str) -> str:
+        """The name that a text stands for, in any case, with American spelling; or an empty string."""
+        plain = text.strip()
+        ours = next((name for pattern, name in self.theirs.items() if pattern.fullmatch(plain)), plain)
+        plain = next((name for name, theirs in self.opensim.items() if theirs == plain), ours)
+        low = plain.lower().replace(" ", "_").replace("fiber", "fibre")
+        return self._cased.get(low, "")
+
+    @functools.cached_property
+    def _cased(self) -> Mapping[str, str]:
+        return {name.lower(): name for name in self.known}
+
+
+# positions are those of the mass, forces those of the tendons
+_KNOWN: Mapping[str, str] = {
     "time": "time",
     "position": "length",
     "force_1": "force",
@@ -40,7 +64,7 @@ COLUMNS: Mapping[str, str] = {
 }
 
 # the names that OpenSim gives the states and outputs of a model with a slider and two muscles
-OPENSIM: Mapping[str, str] = {
+_OPENSIM: Mapping[str, str] = {
     "time": "time",
     "position": "/jointset/slider/position/value",
     "velocity": "/jointset/slider/position/speed",
@@ -59,7 +83,7 @@ OPENSIM: Mapping[str, str] = {
     },
     "disturbance": "/forceset/disturbance|actuation",
 }
-_OURS = {theirs: ours for ours, theirs in OPENSIM.items()}
+COLUMNS = Columns(("position", "force_1", "force_2"), _KNOWN, _OPENSIM)
 
 _BRACKET = re.compile(r"(?P<name>.*?)\s*[\[(](?P<unit>[^\[\]()]*)[\])]")
 
@@ -74,59 +98,61 @@ class Column:
     unit: Unit
 
 
-def name_and_unit(label: str) -> tuple[str, str]:
+def name_and_unit(label: str, columns: Columns = COLUMNS) -> tuple[str, str]:
     """Name and unit of a label such as `position [mm]`, `Force_1 (N)`, `time_s`; the unit may be empty."""
     label = label.strip()
-    if known := _known(label):
+    if known := columns.name(label):
         return known, ""
     if match := _BRACKET.fullmatch(label):
-        return _known(match["name"]) or match["name"], match["unit"].strip() or "1"
+        return columns.name(match["name"]) or match["name"], match["unit"].strip() or "1"
     head, _, tail = label.rpartition("_")
-    if (known := _known(head)) and _suffix(label, COLUMNS[known]):
+    if (known := columns.name(head)) and _suffix(label, columns.known[known]):
         return known, tail
     return label, ""
 
 
-def choose(labels: Sequence[str], units: Sequence[str], mapping: Mapping[str, str]) -> list[Column]:
+def choose(
+    labels: Sequence[str],
+    units: Sequence[str],
+    mapping: Mapping[str, str],
+    known: Columns = COLUMNS,
+    in_degrees: bool = False,
+) -> list[Column]:
     """The columns of a file that are known by name or by `mapping` (name → label, or `label[unit]`), time first.
 
-    labels: the names of all columns. units: a unit for each from elsewhere, empty where there is none.
-    RecordingError if time, the position or a force is missing, a unit is wrong, or a name is there twice.
+    labels: the names of all columns. units: a unit for each from elsewhere, empty where there is none. in_degrees: what
+    turns is in degrees where nothing else is said.
+    RecordingError if time or what is required is missing, a unit is wrong, or a name is there twice.
     """
     for name in mapping:
-        if name not in COLUMNS:
-            near = difflib.get_close_matches(short(name), COLUMNS, n=3) or ["time", *REQUIRED]
+        if name not in known.known:
+            near = difflib.get_close_matches(short(name), known.known, n=3) or ["time", *known.required]
             raise RecordingError(f"{shown(name)} is no column of a recording; the nearest are {', '.join(near)}")
-    plain = [name_and_unit(label) for label in labels]
+    plain = [name_and_unit(label, known) for label in labels]
     columns: dict[str, Column] = {}
-    for name in sorted(COLUMNS, key=lambda name: name not in mapping):
+    for name in sorted(known.known, key=lambda name: name not in mapping):
         asked, taken = "", {column.index: column.name for column in columns.values()}
         if name in mapping:
             index, asked = _mapped(name, mapping[name], labels, plain)
             if index in taken:
                 raise RecordingError(f"column {shown(labels[index])} is mapped to both {taken[index]} and {name}")
         else:
-            places = [i for i, (known, _) in enumerate(plain) if known == name and i not in taken]
+            places = [i for i, (found, _) in enumerate(plain) if found == name and i not in taken]
             if len(places) > 1:
                 raise RecordingError(f"{name} is there twice, in columns {_two(places)}; say which by a mapping")
             if not places:
                 continue
             index = places[0]
-        given = (asked, _written_unit(labels[index], plain[index], asked, COLUMNS[name]), units[index])
-        columns[name] = Column(name, labels[index].strip(), index, _agreed(given, name, labels[index]))
-    for name in ("time", *REQUIRED):
+        quantity = known.known[name]
+        given = (asked, _written_unit(labels[index], plain[index], asked, quantity), units[index])
+        usual = IN_DEGREES.get(quantity, SI[quantity]) if in_degrees else SI[quantity]
+        columns[name] = Column(name, labels[index].strip(), index, _agreed(given, quantity, usual, labels[index]))
+    for name in ("time", *known.required):
         if name not in columns and f"{name}_measured" not in columns:
             taken_by = [column.name for column in columns.values() if plain[column.index][0] == name]
             why = f"{shown(name)} is mapped to {taken_by[0]}" if taken_by else _there(name, labels)
             raise RecordingError(f"there is no column {name}; {why}")
-    return [columns[name] for name in COLUMNS if name in columns]
-
-
-def _known(text: str) -> str:
-    """The name in `COLUMNS` that a text stands for, in any case, with American spelling; or an empty string."""
-    plain = text.strip()
-    plain = _OURS.get(plain, plain).lower().replace(" ", "_").replace("fiber", "fibre")
-    return plain if plain in COLUMNS else ""
+    return [columns[name] for name in known.known if name in columns]
 
 
 def _mapped(name: str, target: str, labels: Sequence[str], plain: Sequence[tuple[str, str]]) -> tuple[int, str]:
@@ -156,16 +182,15 @@ def _suffix(label: str, quantity: str) -> str:
     return tail if tail in UNITS and UNITS[tail].quantity in (quantity, "angle") and tail.isalpha() else ""
 
 
-def _agreed(given: Sequence[str], name: str, label: str) -> Unit:
+def _agreed(given: Sequence[str], quantity: str, usual: Unit, label: str) -> Unit:
     where = f"column {shown(label.strip())}"
-    quantity = COLUMNS[name]
     # a length of unit 1 is one without a unit, as our own dimensionless results have it
     told = [text for text in given if text and (quantity == "number" or find_unit(text) != UNITS["1"])]
     units = [unit_of(text, quantity, where) for text in told]
     for unit in units[1:]:
         if unit != units[0]:
             raise RecordingError(f"{where}: its unit is {units[0].symbol} in one place and {unit.symbol} in another")
-    return units[0] if units else SI[quantity]
+    return units[0] if units else usual
 
 
 def _two(places: Sequence[int]) -> str:

@@ -7,9 +7,8 @@ from numpy.typing import NDArray
 
 from ...model.arrays import Array
 from ..files.errors import RecordingError
-from .columns import REQUIRED
-from .muscles import MusclePair
 from .recording import Recording
+from .subject import Subject
 
 # seconds; a muscle does not do much in it
 LONGEST_GAP = 0.1
@@ -22,10 +21,13 @@ _LONGEST_STEP = 3.0
 
 
 def bridged(recording: Recording) -> tuple[Array, NDArray[np.bool_]]:
-    """The inputs (n × 3), gaps bridged in straight lines, and where. RecordingError names a gap that is too long."""
-    inputs = np.stack([getattr(recording, name) for name in REQUIRED], axis=1)
+    """What was measured (n × columns), gaps bridged in straight lines, and where.
+
+    RecordingError names a gap that is too long.
+    """
+    inputs = np.stack(list(recording.measured.values()), axis=1)
     missing = np.isnan(inputs)
-    for i, name in enumerate(REQUIRED):
+    for i, name in enumerate(recording.measured):
         known = ~missing[:, i]
         if known.all():
             continue
@@ -34,16 +36,17 @@ def bridged(recording: Recording) -> tuple[Array, NDArray[np.bool_]]:
             raise RecordingError(f"{recording.source}: {name} has no value in row {row}, an end of the recording")
         _refuse_long_gaps(recording, name, known)
         inputs[~known, i] = np.interp(recording.time[~known], recording.time[known], inputs[known, i])
-    return inputs, missing.any(axis=1)
+    return inputs, np.asarray(missing.any(axis=1))
 
 
-def refuse_impossible(recording: Recording, pair: MusclePair) -> None:
-    """RecordingError if the mass is beyond an origin, or a force is far below 0 or above what muscles can do."""
-    between = f"the mass is between 0 and C = {pair.C:g} m"
-    _refuse(recording, "position", "m", recording.position < 0, between)
-    _refuse(recording, "position", "m", recording.position > pair.C, f"{between}; is it in another unit?")
-    for name, muscle in (("force_1", pair.muscle1), ("force_2", pair.muscle2)):
-        part = getattr(recording, name) / muscle.F_max
+def refuse_impossible(recording: Recording, subject: Subject) -> None:
+    """RecordingError if a position is none that can be, or a force is far below 0 or above what muscles can do."""
+    positions, forces = subject.positions, subject.forces
+    for name, bound in positions.items():
+        _refuse(recording, name, bound.unit, recording[name] < bound.least, bound.below)
+        _refuse(recording, name, bound.unit, recording[name] > bound.most, bound.above)
+    for name, muscle in forces.items():
+        part = recording[name] / muscle.F_max
         _refuse(recording, name, "N", part < _LOWEST_FORCE, "a tendon only pulls, so forces are positive")
         _refuse(recording, name, "N", part > _HIGHEST_FORCE, f"F_max is {muscle.F_max:g} N; is it in another unit?")
 
@@ -63,7 +66,7 @@ def refuse_long_steps(recording: Recording) -> None:
 def _refuse(recording: Recording, name: str, unit: str, wrong: NDArray[np.bool_], why: str) -> None:
     if wrong.any():
         at = int(wrong.argmax())
-        value = float(getattr(recording, name)[at])
+        value = float(recording[name][at])
         raise RecordingError(f"{recording.source}: row {recording.rows[at]}: {name} = {value:g} {unit}; {why}")
 
 

@@ -26,7 +26,7 @@ class Header:
     """The head of a table: a label and a unit ("" where none is given) per column, and how many lines it took.
 
     `delimiter` is one character, or " " for any number of blanks and tabs. `promised` is what an .sto file says of
-    its number of rows.
+    its number of rows, `in_degrees` whether what turns is in degrees there.
     """
 
     labels: tuple[str, ...]
@@ -35,6 +35,7 @@ class Header:
     lines: int
     promised: int | None = None
     remarks: tuple[str, ...] = ()
+    in_degrees: bool = False
 
 
 def read_header(lines: Sequence[str], opensim: bool) -> Header:
@@ -95,7 +96,6 @@ def _sto(lines: Sequence[str]) -> Header:
         raise RecordingError(f"has no line endheader among its first {min(len(lines), _LONGEST_HEADER):,}")
     pairs = (line.partition("=") for line in lines[:end])
     keys = {key.strip().lower(): value.strip() for key, _, value in pairs}
-    # inDegrees concerns rotations only; a position here is a length
     if keys.get("datatype", "double").lower() != "double":
         raise RecordingError(f"its DataType is {shown(keys['datatype'])}; a recording holds double")
     at = next((i for i in range(end + 1, len(lines)) if lines[i].strip()), None)
@@ -108,7 +108,9 @@ def _sto(lines: Sequence[str]) -> Header:
     remarks = (
         (f"the header says nColumns={counted}, there are {len(labels)}",) if counted not in (None, len(labels)) else ()
     )
-    return Header(tuple(labels), ("",) * len(labels), delimiter, at + 1, _whole(keys.get("nrows", "")), remarks)
+    in_degrees = keys.get("indegrees", "no").lower() == "yes"
+    units, rows = ("",) * len(labels), _whole(keys.get("nrows", ""))
+    return Header(tuple(labels), units, delimiter, at + 1, rows, remarks, in_degrees)
 
 
 def _comment(line: str) -> str:

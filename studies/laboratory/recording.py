@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -15,41 +15,42 @@ from ..files.numbers import samples
 from ..files.progress import Progress, unseen
 from ..files.quote import escaped, ranges, shown, table, text
 from .cells import Cells, Rows
-from .columns import COLUMNS, REQUIRED, choose
+from .columns import COLUMNS, Columns, choose
 from .header import read_header
 from .lines import blocks, text_of
 from .samples import MOST_NUMBERS, Samples
 
 _OPENSIM = (".sto", ".mot")
-# those of every recording, and the rows they come from
-_COLUMNS = ("time", *REQUIRED)
 
 
 @dataclass(frozen=True, eq=False)
 class Recording:
     """Samples in SI, time rising strictly: what an observer is given, and the truth where a file has it.
 
-    time s, position m, force_1 and force_2 N: float64 (n,), NaN where there is a gap. true: further known columns by
-    name. rows: the row of the file each sample comes from, counted from 1. repeated: rows left out because they
-    repeat the row before. remarks: what else to know, in sentences. mapping: which columns of the file were named.
-    RecordingError if columns are no arrays of numbers of one length, or time does not rise.
+    time s; measured: position m, force_1 and force_2 N of a pair, or those of a mechanism, by name: float64 (n,), NaN
+    where there is a gap. true: further known columns by name. rows: the row of the file each sample comes from,
+    counted from 1. repeated: rows left out because they repeat the row before. remarks: what else to know, in
+    sentences. mapping: which columns of the file were named. columns: what there is to know, of a pair by default.
+    RecordingError if columns are no arrays of numbers of one length, one is missing, or time does not rise.
     """
 
     source: str
     time: Array
-    position: Array
-    force_1: Array
-    force_2: Array
+    measured: Mapping[str, Array]
     true: Mapping[str, Array]
     rows: Rows
     repeated: Rows = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     remarks: tuple[str, ...] = ()
     mapping: Mapping[str, str] = field(default_factory=dict)
+    columns: Columns = COLUMNS
 
     def __post_init__(self) -> None:
         try:
             object.__setattr__(self, "source", text("source", self.source))
-            columns = {name: samples(name, getattr(self, name), MOST_NUMBERS) for name in _COLUMNS}
+            given = {"time": self.time, **table("measured", self.measured)}
+            if odd := [name for name in (*self.columns.required, *given) if name not in given or not self._is(name)]:
+                raise RecordingError(f"measured must be {', '.join(self.columns.required)}; see {shown(odd[0])}")
+            columns = {name: samples(name, values, MOST_NUMBERS) for name, values in given.items()}
             true = {name: samples(name, values, MOST_NUMBERS) for name, values in table("true", self.true).items()}
         except ScenarioError as error:
             raise RecordingError(str(error)) from error
@@ -58,11 +59,28 @@ class Recording:
                 raise RecordingError(f"{name} has {len(values):,} values, and time {len(columns['time']):,}")
         if not (np.isfinite(columns["time"]).all() and (np.diff(columns["time"]) > 0).all()):
             raise RecordingError("time must rise strictly from sample to sample")
-        if unknown := [name for name in true if name not in COLUMNS]:
-            raise RecordingError(f"{shown(unknown[0])} is no column of a recording; there are {', '.join(COLUMNS)}")
+        if unknown := [name for name in true if name not in self.columns.known]:
+            known = ", ".join(self.columns.known)
+            raise RecordingError(f"{shown(unknown[0])} is no column of a recording; there are {known}")
         object.__setattr__(self, "true", true)
-        for name in _COLUMNS:
-            object.__setattr__(self, name, columns[name])
+        object.__setattr__(self, "time", columns.pop("time"))
+        object.__setattr__(self, "measured", {name: columns[name] for name in self.columns.required})
+
+    def _is(self, name: str) -> bool:
+        return name in ("time", *self.columns.required)
+
+    def __getitem__(self, name: str) -> Array:
+        """What was measured."""
+        return self.measured[name]
+
+    def part(self, which: slice) -> Recording:
+        """Some of its samples."""
+        measured, true = ({name: values[which] for name, values in of.items()} for of in (self.measured, self.true))
+        return replace(self, time=self.time[which], measured=measured, true=true, rows=self.rows[which])
+
+    def remeasured(self, **measured: Array) -> Recording:
+        """The same with other measurements."""
+        return replace(self, measured={**self.measured, **measured})
 
     def __len__(self) -> int:
         return len(self.time)
@@ -72,37 +90,41 @@ class Recording:
         notes = list(self.remarks)
         if len(self.repeated):
             notes.append(f"rows that repeat the one before are left out: {ranges(self.repeated)}")
-        for name in REQUIRED:
-            gaps = self.rows[np.isnan(getattr(self, name))]
+        for name, values in self.measured.items():
+            gaps = self.rows[np.isnan(values)]
             if len(gaps):
                 notes.append(f"{name} has no value in {len(gaps):,} of {len(self):,} rows: {ranges(gaps)}")
         return notes
 
 
 def read_recording(
-    path: str | Path, mapping: Mapping[str, str] | None = None, progress: Progress | None = None
+    path: str | Path,
+    mapping: Mapping[str, str] | None = None,
+    progress: Progress | None = None,
+    known: Columns = COLUMNS,
 ) -> Recording:
     """A recording: CSV, .sto, .mot, each also gzipped.
 
     mapping: name → column of the file, or `column[unit]`. progress: given the part of the file that has been read.
+    known: what columns may be called, those of a pair by default.
     RecordingError names the file and row and column, or says which column is missing and what is there; also if there
     are more numbers than memory should hold.
     """
     if not isinstance(path, str | Path):
         raise RecordingError(f"a recording is a file's name or one that was read, not {shown(path)}")
     try:
-        return _read(Path(path), mapping or {}, progress or unseen)
+        return _read(Path(path), mapping or {}, progress or unseen, known)
     except RecordingError as error:
         raise RecordingError(f"{path}: {error}") from error
 
 
-def _read(path: Path, mapping: Mapping[str, str], progress: Progress) -> Recording:
+def _read(path: Path, mapping: Mapping[str, str], progress: Progress, columns_known: Columns) -> Recording:
     source = blocks(path, progress)
     first = next(source, None)
     if first is None:
         raise RecordingError("is empty")
     header = read_header(text_of(first).split("\n")[:-1], _is_opensim(path))
-    columns = choose(header.labels, header.units, mapping)
+    columns = choose(header.labels, header.units, mapping, columns_known, header.in_degrees)
     reader = Cells(header.labels, [column.index for column in columns], header.delimiter, header.lines + 1)
     rest = first.split(b"\n", header.lines)[-1]
 
@@ -115,23 +137,24 @@ def _read(path: Path, mapping: Mapping[str, str], progress: Progress) -> Recordi
     if header.promised not in (None, len(rows) + len(repeated)):
         remarks += (f"the header says nRows={header.promised}, there are {len(rows) + len(repeated)}",)
     known = {column.name: column.unit.to_SI(samples.column(i)) for i, column in enumerate(columns)}
-    inputs = _inputs(known, mapping)
+    inputs = _inputs(known, mapping, columns_known.required)
     return Recording(
         escaped(path.name),
         known.pop("time"),
-        **inputs,
+        inputs,
         true=known,
         rows=rows,
         repeated=repeated,
         remarks=remarks,
         mapping=dict(mapping),
+        columns=columns_known,
     )
 
 
-def _inputs(known: dict[str, Array], mapping: Mapping[str, str]) -> dict[str, Array]:
+def _inputs(known: dict[str, Array], mapping: Mapping[str, str], required: tuple[str, ...]) -> dict[str, Array]:
     """Taken out of `known`: a measured column before the plain one, unless a mapping names that."""
     inputs = {}
-    for name in REQUIRED:
+    for name in required:
         measured = f"{name}_measured"
         plain_asked = name in mapping and measured not in mapping
         inputs[name] = known.pop(name if plain_asked or measured not in known else measured)

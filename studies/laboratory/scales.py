@@ -1,30 +1,53 @@
-"""The dimensionless form of the paper from a pair in SI, and its results back in SI.
+"""The dimensionless form of the paper from what is in SI, and its results back in SI.
 
-The reference values are those of muscle 1: F₀ its largest force, l₀ its optimal fibre length, v₀ its largest velocity
-in optimal fibre lengths per second. Lengths are in l₀, forces in F₀, velocities in l₀v₀, and time is τ = v₀t.
+The reference values are those of muscle 1, the first of a mechanism: F₀ its largest force, l₀ its optimal fibre length,
+v₀ its largest velocity in optimal fibre lengths per second. Lengths are in l₀, forces in F₀, velocities in l₀v₀, masses
+in F₀/(l₀v₀²), angles in rad, and time is τ = v₀t.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+
+import numpy as np
 
 from ...model.arrays import Array
 from ...model.curves.sizes import relative
+from ...model.skeleton.tree import SLIDER
 from ...model.symbols import MUSCLES
 from ..files.errors import ScenarioError
+from .mechanisms.mechanism import Mechanism
 from .muscles import Muscle, MusclePair
 
 
 @dataclass(frozen=True)
 class Scales:
-    """F₀ N, l₀ m, v₀ 1/s, the mass kg, and `numbers`: path → value of the dimensionless pair, as scenarios have it."""
+    """F₀ N, l₀ m, v₀ 1/s, and `numbers`: path → value of what is dimensionless, as scenarios have it.
+
+    sliding: of each joint, whether its coordinate is a length; else it is an angle.
+    """
 
     force: float
     length: float
     rate: float
-    mass: float
     numbers: Mapping[str, float]
+    sliding: Sequence[bool] = (True,)
+
+    @property
+    def mass(self) -> float:
+        """Unit of mass in kg."""
+        return self.force / (self.length * self.rate**2)
+
+    @property
+    def coordinates(self) -> Array:
+        """Units of the joints' coordinates, m or rad."""
+        return np.where(self.sliding, self.length, 1.0)
+
+    @property
+    def torques(self) -> Array:
+        """Units of what moves each joint, N or N m."""
+        return self.force * self.length / self.coordinates
 
     # into the paper's variables
 
@@ -34,8 +57,7 @@ class Scales:
         return self.rate * time
 
     def lengths(self, metres: Array) -> Array:
-        """y₁, L_S or L_C of m."""
-        # x₁ = position/l₀
+        """L_S or L_C of m."""
         return metres / self.length
 
     def forces(self, newtons: Array) -> Array:
@@ -46,23 +68,26 @@ class Scales:
     # and back
 
     def metres(self, lengths: Array) -> Array:
-        """Position, tendon or fibre length in m."""
+        """Tendon or fibre length in m."""
         return lengths * self.length
 
-    def velocity(self, x2: Array) -> Array:
-        """Velocity of the mass in m/s."""
+    def velocity(self, rates: Array) -> Array:
+        """Rate of a length in m/s."""
         # velocity = l₀v₀x₂
-        return x2 * self.length * self.rate
+        return rates * self.length * self.rate
 
     def fibre_velocity(self, u: Array) -> Array:
         """Fibre velocity in m/s, positive when the fibre lengthens."""
         # fibre velocity_j = −l₀v₀u_j
         return 0.0 - u * self.length * self.rate
 
-    def disturbance(self, Delta: Array) -> Array:
-        """External force on the mass in N, positive to the right."""
-        # disturbance = mass l₀v₀² Δ_Φ
-        return Delta * self.mass * self.length * self.rate**2
+    def positions(self, q: Array) -> Array:
+        """Coordinates (… × joints) in m or rad."""
+        return q * self.coordinates
+
+    def velocities(self, dq: Array) -> Array:
+        """Their rates in m/s or rad/s."""
+        return dq * self.coordinates * self.rate
 
 
 def scales(pair: MusclePair) -> Scales:
@@ -74,21 +99,37 @@ def scales(pair: MusclePair) -> Scales:
     force, length, rate = first.F_max, first.optimal_fibre_length, first.v_max
     # m = mass l₀v₀²/F₀,  C = C/l₀
     numbers = {"plant.m": pair.mass * length * rate**2 / force, "plant.C": pair.C / length}
-    for name, muscle in zip(MUSCLES, (pair.muscle1, pair.muscle2), strict=True):
-        numbers |= {f"{name}.{key}": value for key, value in _curve_numbers(name, muscle, first).items()}
-    return Scales(force, length, rate, pair.mass, numbers)
+    muscles = dict(zip(MUSCLES, (pair.muscle1, pair.muscle2), strict=True))
+    return Scales(force, length, rate, {**numbers, **_numbers(muscles)})
 
 
-def _curve_numbers(name: str, muscle: Muscle, first: Muscle) -> dict[str, float]:
-    """The numbers of a muscle's curve set, its sizes in those of muscle 1."""
+def mechanism_scales(mechanism: Mechanism) -> Scales:
+    """The same of a mechanism."""
+    first = next(iter(mechanism.muscles.values()))
+    sliding = [mechanism.tree.joints[name].kind == SLIDER for name in mechanism.tree.coordinates]
+    return Scales(first.F_max, first.optimal_fibre_length, first.v_max, _numbers(mechanism.muscles), tuple(sliding))
+
+
+def _numbers(muscles: Mapping[str, Muscle]) -> dict[str, float]:
+    """`BRA.L_slack` … for the numbers of all muscles."""
+    reference = next(iter(muscles))
+    return {
+        f"{name}.{key}": value
+        for name, muscle in muscles.items()
+        for key, value in _curve_numbers(name, muscle, reference, muscles[reference]).items()
+    }
+
+
+def _curve_numbers(name: str, muscle: Muscle, reference: str, first: Muscle) -> dict[str, float]:
+    """The numbers of a muscle's curve set, its sizes in those of the first."""
     curves = muscle.curves
     sizes = relative(muscle.sizes, first.sizes)
     unlike = [key for key in sizes if key not in curves.parameters and sizes[key] != 1]
     if unlike:
         raise ScenarioError(
-            f"{name}: curves {curves.name} have no size of their own: {', '.join(unlike)} must be that of muscle1"
+            f"{name}: curves {curves.name} have no size of their own: {', '.join(unlike)} must be that of {reference}"
         )
     numbers = {key: {**muscle.numbers, **sizes}[key] for key in curves.parameters}
     if objection := curves.objection({key: numbers[key] for key in curves.tendon}):
         raise ScenarioError(f"{name}: {objection}")
-    return numbers
+    return {**numbers, **({"pennation": muscle.pennation} if muscle.pennation else {})}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from ...model.arrays import Array
@@ -15,8 +16,8 @@ class Unit:
 
     symbol: str
     quantity: str
-    times: int = 1
-    over: int = 1
+    times: float = 1
+    over: float = 1
 
     def to_SI(self, values: Array) -> Array:
         """Values of this unit in SI."""
@@ -47,15 +48,22 @@ _UNITS = (
     Unit("kN", "force", times=1_000),
     Unit("1", "number"),
     Unit("%", "number", over=100),
-    # no column of a recording is an angle; known, so that they are refused as such
     Unit("rad", "angle"),
-    Unit("deg", "angle"),
+    Unit("deg", "angle", times=math.pi, over=180),
+    Unit("rad/s", "angular velocity"),
+    Unit("deg/s", "angular velocity", times=math.pi, over=180),
+    Unit("rad/s2", "angular acceleration"),
+    Unit("deg/s2", "angular acceleration", times=math.pi, over=180),
+    Unit("N m", "torque"),
+    Unit("N mm", "torque", over=1_000),
 )
 UNITS = {unit.symbol: unit for unit in _UNITS}
 SI = {unit.quantity: unit for unit in reversed(_UNITS) if unit.times == unit.over}
+# what a file's inDegrees is about
+IN_DEGREES = {unit.quantity: unit for unit in _UNITS if unit.symbol.startswith("deg")}
 
 _SPELLINGS = str.maketrans({"²": "2", "^": "", "*": "", "µ": "u", "μ": "u", " ": ""})
-_WORDS = {"": "1", "-": "1", "sec": "s", "m/s/s": "m/s2", "°": "deg"}
+_WORDS = {"": "1", "-": "1", "sec": "s", "m/s/s": "m/s2", "°": "deg", "Nm": "N m", "Nmm": "N mm"}
 
 
 def find_unit(text: str) -> Unit | None:

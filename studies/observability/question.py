@@ -12,8 +12,9 @@ import casadi as ca
 from ...model.block import Block
 from ...model.curves import Curves
 from ...model.curves.tendon import Tendon, tendon
-from ...model.pair import pair
+from ...model.plant import plant
 from ...model.symbols import SIGNALS
+from ...model.system import pair_system
 from ...observers.observability import (
     augmented,
     observability_matrix,
@@ -125,7 +126,9 @@ def pose(
 
 @functools.cache
 def _plant(unknown: str, curves: Curves, derivatives: int) -> Block:
-    return augmented(pair("given" if unknown == "a" else "virtual", curves), UNKNOWNS[unknown], derivatives)
+    return augmented(
+        plant(pair_system(curves), "given" if unknown == "a" else "virtual"), UNKNOWNS[unknown], derivatives
+    )
 
 
 @functools.cache

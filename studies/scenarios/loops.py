@@ -11,10 +11,11 @@ from ...codegen.stepper import STAGES
 from ...model.block import Block
 from ...model.closed_loop import closed_loop
 from ...model.curves import NGUYEN2019, Curves
-from ...model.pair import DRIVES
+from ...model.plant import DRIVES
 from ...model.sensors import NOISE_CHANNELS, sensors
 from ...model.signals.pulses import PULSES
-from ...model.symbols import ACTIVATIONS, MEASURED, QUANTITIES
+from ...model.symbols import ACTIVATIONS, QUANTITIES
+from ...model.system import pair_system
 from ...observers import OBSERVERS, Observer, baseline_estimator, estimator_of
 from ...observers.score import MEASURES, score
 from ...observers.tendons import tendons, tendons_of_a_step
@@ -55,9 +56,10 @@ def paper_loop(
 @functools.lru_cache(maxsize=16)
 def _bank(curves: Curves, observers: tuple[Observer, ...], corrected: bool, activations: bool) -> Bank:
     """The baseline and the observers, as estimators."""
-    estimators = [estimator_of(observer, corrected, curves, activations) for observer in observers]
-    front, near = tendons(curves), tendons_of_a_step(STAGES, curves)
-    return Bank(MEASURED, front, near, (baseline_estimator(curves, activations), *estimators))
+    system = pair_system(curves)
+    estimators = [estimator_of(observer, corrected, system, activations) for observer in observers]
+    front, near = tendons(system), tendons_of_a_step(STAGES, system)
+    return Bank(system.measured, front, near, (baseline_estimator(system, activations), *estimators))
 
 
 @functools.lru_cache(maxsize=16)

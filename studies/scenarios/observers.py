@@ -7,7 +7,7 @@ from collections.abc import Container, Iterable, Mapping, Sequence
 
 from ...model.block import Block
 from ...model.curves import NGUYEN2019
-from ...model.pair import DRIVES
+from ...model.plant import DRIVES
 from ...observers import OBSERVERS, PAPER, Observer
 from ..files.errors import ScenarioError
 from ..files.quote import shown
@@ -43,7 +43,7 @@ def observers_named(given: Observers) -> dict[str, Observer]:
 @functools.lru_cache(maxsize=64)
 def own_observer(block: Block) -> Observer:
     """A user's Block, of which no theorem, gain rule or rates are known."""
-    return Observer(block.name, lambda: block)
+    return Observer(block.name, whole=lambda: block)
 
 
 def own_among(chosen: Mapping[str, Observer]) -> dict[str, Observer]:

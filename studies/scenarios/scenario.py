@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from ...model.curves import CURVES, SIMULATED, Curves
-from ...model.pair import DRIVES
+from ...model.plant import DRIVES
 from ...model.symbols import MUSCLES
 from ..files.errors import ScenarioError
 from ..files.numbers import parse_number, within

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 
 from ...model.block import Parameter
+from ..files.toml import toml_value
 from .prepare import prepare
 from .scenario import CHOICES
 
@@ -14,7 +14,7 @@ def show(source: str) -> str:
     """The TOML of a scenario with every number, its unit, meaning and source. ScenarioError if there is none."""
     prepared = prepare(source, None, {})
     scenario, paths = prepared.scenario, prepared.paths
-    sections: dict[str, list[str]] = {"": [f"description = {_toml(scenario.description)}"]}
+    sections: dict[str, list[str]] = {"": [f"description = {toml_value(scenario.description)}"]}
     sections[""].append(f"seed = {scenario.seed}  # of the measurement noise")
     for path, valid in CHOICES.items():
         section, _, key = path.rpartition(".")
@@ -35,19 +35,6 @@ def describe(parameter: Parameter) -> str:
     """Meaning, unit and source in one line."""
     unit = "" if parameter.unit == "1" else f" [{parameter.unit}]"
     return f"{parameter.sentence}{unit} ({parameter.source})"
-
-
-def toml_value(value: object) -> str:
-    """A number or a text as TOML writes it; a whole number without a point."""
-    if isinstance(value, str):
-        return _toml(value)
-    return repr(int(value) if isinstance(value, float) and value.is_integer() else value)
-
-
-def _toml(text: str) -> str:
-    """A text as TOML writes it, every character that cannot be printed as an escape."""
-    quoted = json.dumps(text, ensure_ascii=False)
-    return "".join(c if c.isprintable() else f"\\U{ord(c):08x}" for c in quoted)
 
 
 def _lines(sections: dict[str, list[str]]) -> Iterator[str]:

@@ -7,9 +7,8 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from ...model.arrays import Array
-from ...model.skeleton import lengths
+from ...model.skeleton.load import lengths
 from ..estimate.case import Case
-from ..laboratory.columns import REQUIRED
 from .finding import Finding, plain
 from .hanging import hanging
 
@@ -29,7 +28,8 @@ _UNEXPLAINED = 3.0
 
 def of_measurements(case: Case) -> Iterator[Finding]:
     """Of positions and forces as they are: what no muscle measures."""
-    sigmas = case.sizes.sigma_1, case.sizes.sigma_F1, case.sizes.sigma_F2
+    sizes = case.sizes.pair
+    sigmas = sizes.sigma_1, sizes.sigma_F1, sizes.sigma_F2
     if _stands_still(case.y[:, 0], sigmas[0]):
         yield _still("position", "a broken sensor?", case.y[:, 0])
     for j, muscle in enumerate((case.pair.muscle1, case.pair.muscle2), start=1):
@@ -62,7 +62,7 @@ def of_measurements(case: Case) -> Iterator[Finding]:
 
 def of_sensors(case: Case) -> Iterator[Finding]:
     """Of sensors that do not measure all the time."""
-    for i, name in enumerate(REQUIRED):
+    for i, name in enumerate(case.recording.measured):
         if when := hanging(case.recording.time, case.y[:, i], case.period):
             start, end = when
             yield Finding(

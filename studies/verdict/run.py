@@ -5,13 +5,13 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 import xarray as xr
 
-from ...model.skeleton import pull
+from ...model.skeleton.load import pull
 from ..estimate.run import KALMAN, estimate, recorded
 from ..files.progress import Progress, shares, unseen
 from ..kalman.run import AUTO, innovations
@@ -105,7 +105,7 @@ def of_all(read: Recording, pair: MusclePair, estimates: xr.Dataset) -> Iterator
         return
     fit = json.loads(estimates.attrs["fits"])[KALMAN]
     ratios = innovations(record, fit["u"]["numbers"])
-    yield from of_innovations(read.time, ratios, min(case.sizes.sigma_F1, case.sizes.sigma_F2))
+    yield from of_innovations(read.time, ratios, min(case.sizes.pair.sigma_F1, case.sizes.pair.sigma_F2))
     of = estimates.sel(observer=KALMAN)
     limited = of.activation_limited.mean("time").values.tolist()
     yield from of_estimates(pull(of.force.values.T), of.disturbance_hat.values, limited)
@@ -116,6 +116,4 @@ def _middle(read: Recording) -> Recording:
     if len(read) <= _MOST:
         return read
     start = (len(read) - _MOST) // 2
-    part = slice(start, start + _MOST)
-    columns = {name: getattr(read, name)[part] for name in ("time", "position", "force_1", "force_2", "rows")}
-    return replace(read, **columns, true={name: values[part] for name, values in read.true.items()})
+    return read.part(slice(start, start + _MOST))

@@ -58,10 +58,10 @@ def variants(recording: Recording, pair: MusclePair) -> Iterator[Variant]:
     for factor in _MASSES:
         heavier = replace(pair, mass=pair.mass * factor)
         yield Variant("mass", f"a mass {_by(factor)}", recording, heavier, mechanical=True, factor=factor)
-    swapped = replace(recording, force_1=recording.force_2, force_2=recording.force_1)
+    swapped = recording.remeasured(force_1=recording["force_2"], force_2=recording["force_1"])
     yield Variant("swapped", "the muscles swapped", swapped, pair, mechanical=True)
     # of muscles that are alike that is the same
-    mirrored = replace(recording, position=pair.C - recording.position)
+    mirrored = recording.remeasured(position=pair.C - recording["position"])
     yield Variant(
         "mirrored", "the position measured from the other wall, C − position", mirrored, pair, mechanical=True
     )

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from hillobs.codegen.bank import Bank
 from hillobs.codegen.recordings.filters import CompiledBank
 from hillobs.model.block import Block, Symbols, symbols
-from hillobs.model.curves import NGUYEN2019
+from hillobs.model.system import PAIR
 from hillobs.observers import OBSERVERS
 from hillobs.studies.estimate.follow import compiled_bank, follower_bank
 from hillobs.studies.scenarios.paths import paths_of
@@ -31,7 +31,7 @@ STEP = 0.01
 
 def uncorrected() -> CompiledBank:
     observers = tuple(replace(observer, fitted=False) for observer in OBSERVERS.values())
-    return compiled_bank(follower_bank(NGUYEN2019, False, observers))
+    return compiled_bank(follower_bank(PAIR, False, observers))
 
 
 def numbers(compiled: CompiledBank, observer: str, given: Mapping[str, float] | None = None) -> np.ndarray:
@@ -108,7 +108,7 @@ def test_the_first_sample_is_where_an_observer_starts() -> None:
     lengths = Phi_S_inv(y[0, 1:, None], Model({}).curves["plant"])[:, 0]
     for name, observer in OBSERVERS.items():
         found = followed(name, t, y, given=start)[0, :7]
-        if "initial.x1_hat" in observer.build().p:
+        if "initial.x1_hat" in observer.block().p:
             assert found.tolist() == [2.7, 0.1, 0, 2.02, 0, 2.03, 0]
         else:
             np.testing.assert_allclose(found, [y[0, 0], 0, 0, lengths[0], 0, lengths[1], 0], rtol=1e-14)
@@ -160,7 +160,7 @@ def test_each_step_of_time_counts_as_it_is() -> None:
     twice_t, twice_y = np.repeat(t, 2)[:-1].copy(), np.repeat(y, 2, axis=0)[:-1].copy()
     twice_t[1::2] += np.diff(t) / 2
     twice_y[1::2] += np.diff(y, axis=0) / 2
-    for name in (name for name, observer in OBSERVERS.items() if not observer.build().sampled):
+    for name in (name for name, observer in OBSERVERS.items() if not observer.block().sampled):
         once, twice = followed(name, t, y, 2), followed(name, twice_t, twice_y, 1)
         np.testing.assert_allclose(twice[::2], once, atol=1e-12, err_msg=name)
 

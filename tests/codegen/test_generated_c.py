@@ -18,7 +18,8 @@ from hillobs.codegen.loop import Loop, export_loop
 from hillobs.codegen.recordings.filters import export_bank
 from hillobs.codegen.toolchain import NATIVE, Compiler, find_compiler, target_flags
 from hillobs.model.curves import NGUYEN2019
-from hillobs.model.pair import DRIVES
+from hillobs.model.plant import DRIVES
+from hillobs.model.system import PAIR
 from hillobs.observers import OBSERVERS, PAPER
 from hillobs.studies.estimate.follow import follower_bank
 from hillobs.studies.scenarios.loops import all_paths, paper_loop
@@ -47,7 +48,7 @@ def source(drive: str) -> Source:
 
 SOURCES: dict[str, Callable[[], Source]] = {
     **{drive: functools.partial(source, drive) for drive in DRIVES},
-    "followers": lambda: export_bank(follower_bank(NGUYEN2019, True, tuple(OBSERVERS.values()))),
+    "followers": lambda: export_bank(follower_bank(PAIR, True, tuple(OBSERVERS.values()))),
     "functions": lambda: export_functions([ca.Function("nothing", [], [ca.SX(1)])]),
 }
 COMPILERS = {

@@ -8,7 +8,7 @@ from hillobs.codegen.shared_library import compile_functions
 from hillobs.codegen.stepper import functions
 from hillobs.model.block import Block, BlockError, Parameter, Symbols, symbols
 from hillobs.model.closed_loop import closed_loop
-from hillobs.model.pair import DRIVES
+from hillobs.model.plant import DRIVES
 from hillobs.model.sensors import NOISE_CHANNELS, SENSED, sensors
 from hillobs.model.signals.pulses import PULSES
 from hillobs.model.symbols import MEASURED, QUANTITIES, hat
@@ -103,7 +103,7 @@ def every_function() -> list[ca.Function]:
         truth = closed_loop(drive)
         table = functions(truth, HELD, (), SENSED)
         tables.append({role: rename(f, f"{drive}_{role}") for role, f in table.items()})
-    for observer in (*(estimator(o.build()) for o in OBSERVERS.values()), baseline_estimator()):
+    for observer in (*(estimator(o.block()) for o in OBSERVERS.values()), baseline_estimator()):
         tables.append(functions(observer, HELD, (*MEASURED, *LENGTHS)))
     tables.append(functions(sensors(), HELD, SENSED))
     tables.append(functions(tendons(), HELD, MEASURED))

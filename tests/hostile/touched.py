@@ -9,6 +9,8 @@ from pathlib import Path
 from hostile.case import Case
 from hostile.sandbox import DESK, TEMPORARY, Snapshot
 
+# what these are told to write is a file, not a folder
+_FILES = ("sweep", "import")
 _USUAL = {"simulate": "results", "estimate": "estimates", "observability": "results", "curves": "results"}
 
 
@@ -31,8 +33,8 @@ def _results(case: Case, box: Path) -> list[str]:
     if out is None or "\0" in out:
         return []
     # a folder may be a link: it is what the user has named
-    place = os.path.realpath(os.path.join(desk, out)) if verb != "sweep" else _beside_link(desk, out)
-    if verb != "sweep":
+    place = os.path.realpath(os.path.join(desk, out)) if verb not in _FILES else _beside_link(desk, out)
+    if verb not in _FILES:
         return [_from(box, place)]
     written = os.path.join(os.path.dirname(place), f".hillobs-{os.geteuid()}")  # the list of what is ours there
     names = [place, f"{place}.parts", f"{os.path.splitext(place)[0]}-*", written]

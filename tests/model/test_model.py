@@ -13,17 +13,19 @@ from hillobs.model.backstepping import backstepping, riccati
 from hillobs.model.block import Block, Symbols, symbols
 from hillobs.model.closed_loop import closed_loop
 from hillobs.model.curves import NGUYEN2019
-from hillobs.model.pair import DRIVES, pair
+from hillobs.model.plant import DRIVES
+from hillobs.model.plant import plant as plant_of
 from hillobs.model.signals.reference import reference
 from hillobs.model.signals.uncertainty import uncertainty
 from hillobs.model.symbols import SIGNALS, STATES
+from hillobs.model.system import PAIR
 
 
 def numbers(block: Block, **changes: float) -> list[float]:
     return [changes.get(name, parameter.default) for name, parameter in block.parameters.items()]
 
 
-pair = functools.cache(pair)
+plant_of = functools.cache(plant_of)
 
 
 @functools.cache
@@ -48,7 +50,7 @@ def test_the_pair_is_its_own_mirror_image(
     drive: str, x1: float, x2: float, x3: float, x4: float, a: float, b: float
 ) -> None:
     """x₁ → C − x₁, x₂ → −x₂, muscles and inputs exchanged, Δ → −Δ: the same motion seen from the other side."""
-    plant = pair(drive)
+    plant = plant_of(PAIR, drive)
     f, p, Delta, C = function(plant, "dx"), numbers(plant), 0.01, 5.54
     inputs = {"Delta": Delta, "u1": a - 0.5, "u2": b - 0.5, "a1": a, "a2": b}
     mirrored = {"Delta": -Delta, "u1": b - 0.5, "u2": a - 0.5, "a1": b, "a2": a}
@@ -62,7 +64,7 @@ def test_the_pair_is_its_own_mirror_image(
 def test_requested_and_virtual_drive_agree_while_no_limit_is_active(
     x1: float, x3: float, x4: float, u1: float, u2: float
 ) -> None:
-    blocks = {drive: pair(drive) for drive in ("virtual", "requested")}
+    blocks = {drive: plant_of(PAIR, drive) for drive in ("virtual", "requested")}
     x, u = [x1, 0.1, x3, x4], [0.0, u1, u2]
     rates = {drive: np.array(function(b, "dx")(x, u, numbers(b))).ravel() for drive, b in blocks.items()}
     requested = blocks["requested"]
@@ -72,7 +74,7 @@ def test_requested_and_virtual_drive_agree_while_no_limit_is_active(
 
 
 def test_an_activation_that_cannot_be_is_limited_and_reported() -> None:
-    plant = pair("requested")
+    plant = plant_of(PAIR, "requested")
     outputs = dict(zip([*plant.y, *plant.guards], np.array(function(plant, "y", "guards")(
         [2.6, 0, 2.03, 2.03], [0, 0, 0], numbers(plant))).ravel().tolist(), strict=True))  # fmt: skip
     assert outputs["a1"] == 1.0
@@ -103,7 +105,7 @@ def test_K_and_P_are_the_printed_ones() -> None:
 
 def lyapunov() -> ca.Function:
     """V and V̇ along the closed loop of plant and controller, as a function of (x, t)."""
-    controller, plant = backstepping(), pair()
+    controller, plant = backstepping(), plant_of()
     t, x = ca.SX.sym("t"), ca.SX.sym("x", 4)
     states = dict(zip(STATES, ca.vertsplit(x), strict=True))
 

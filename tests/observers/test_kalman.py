@@ -200,7 +200,7 @@ def test_a_butterworth_polynomial_has_all_its_roots_on_the_left_half_of_the_unit
 
 @pytest.mark.parametrize("orders", ORDERS)
 def test_the_injections_are_those_of_the_chains_in_use(orders: tuple[int, int]) -> None:
-    block = KALMAN_CONSTANT.build()
+    block = KALMAN_CONSTANT.block()
     given = {"order_D": orders[0], "order_u": orders[1], "s_D": 0.3, "s_u1": 0.2, "s_u2": 0.1}
     numbers = {**{name: parameter.default for name, parameter in block.parameters.items()}, **given}
     injections = ca.jacobian(block.dx.vector(), ca.vertcat(block.u.y1, block.u.L_S1, block.u.L_S2))
@@ -211,8 +211,9 @@ def test_the_injections_are_those_of_the_chains_in_use(orders: tuple[int, int]) 
     for k, (names, sigma, (which, s)) in enumerate(zip(rows.values(), sigmas, chains, strict=True)):
         n = orders[which] + (2 if which == 0 else 1)
         w = (numbers[s] / (numbers[sigma] * np.sqrt(numbers["T"]))) ** (1 / n)
-        expected = np.zeros(len(INDEX))
-        expected[[INDEX[name] for name in names[:n]]] = w ** np.arange(1, n + 1) * butterworth(n)
+        expected = np.zeros(len(block.x))
+        places = [list(block.x).index(f"{name}_hat") for name in names[:n]]
+        expected[places] = w ** np.arange(1, n + 1) * butterworth(n)
         np.testing.assert_allclose(found[:, k], expected, rtol=1e-12)
 
 

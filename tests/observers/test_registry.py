@@ -49,7 +49,7 @@ def test_a_line_in_the_registry_is_enough() -> None:
     assert "r < 200" in json.dumps(swept.attrs)
 
     found = hillobs.estimate(RECORDING, MUSCLES, pair)
-    eps = json.loads(found.attrs["sizes"])["eps_1"]
+    eps = json.loads(found.attrs["sizes"])["joints"]["mass"]["eps"]
     assert json.loads(found.attrs["gains"])["double_pole"] == {"double_pole.rate": 1 / eps}
     same = hillobs.estimate(RECORDING, MUSCLES, "high_gain", changes={"high_gain.eps_L": eps})
     np.testing.assert_allclose(found.activation_hat.sel(observer="double_pole"), same.activation_hat[0], atol=1e-9)
@@ -60,7 +60,7 @@ def test_a_line_in_the_registry_is_enough() -> None:
 
 
 def test_each_observer_has_the_name_of_its_line_and_the_papers_are_among_them() -> None:
-    assert [observer.build().name for observer in OBSERVERS.values()] == list(OBSERVERS)
+    assert [observer.block().name for observer in OBSERVERS.values()] == list(OBSERVERS)
     assert [observer.block(corrected=True).name for observer in OBSERVERS.values()] == list(OBSERVERS)
     assert set(PAPER) < set(OBSERVERS)
     run = hillobs.simulate("paper-noisy", changes=SHORT)
@@ -79,6 +79,6 @@ def test_only_layers_are_corrected(observer: Observer) -> None:
 @pytest.mark.parametrize("name", OBSERVERS)
 def test_steps_are_limited_by_the_rates_that_recordings_use(name: str) -> None:
     observer = OBSERVERS[name]
-    p, facts = observer.build().p, symbols(FACTS)
+    p, facts = observer.block().p, symbols(FACTS)
     conditions = [c.name for c in observer.conditions(p, facts) if c.name.endswith("(integration)")]
     assert conditions == [f"h {rate} < {observer.limit:g} (integration)" for rate in observer.rates(p)]

@@ -233,7 +233,7 @@ def _recorded(random: np.random.Generator, seed: int, truth: dict[str, Array], p
     return Recording(
         f"drawn {seed}",
         truth["time"],
-        **{name: truth[name] + values for name, values in measured.items()},
+        {name: truth[name] + values for name, values in measured.items()},
         true=known,
         rows=np.arange(1, n + 1),
     )

@@ -14,7 +14,7 @@ from hillobs.studies.scenarios.prepare import prepare
 
 @pytest.mark.parametrize("name", OBSERVERS)
 def test_ours_conform(name: str) -> None:
-    assert conformance(OBSERVERS[name].build()) == []
+    assert conformance(OBSERVERS[name].block()) == []
 
 
 def test_a_users_own_conforms(proportional: Block) -> None:
@@ -59,7 +59,7 @@ def facts(**changes: float) -> dict[str, float]:
 
 def violated(name: str, **changes: float) -> list[str]:
     observer = OBSERVERS[name]
-    block, about = observer.build(), symbols(FACTS)
+    block, about = observer.block(), symbols(FACTS)
     values = {key: changes.get(key, parameter.default) for key, parameter in block.parameters.items()}
     known = facts(**{key: value for key, value in changes.items() if key in FACTS})
     results = check(observer.conditions(block.p, about), Symbols({**block.p, **about}), {**values, **known})

@@ -55,7 +55,7 @@ STARTS = [
     (name, start, 1e25)
     for name, observer in OBSERVERS.items()
     for start in ("initial.x1_hat", "initial.x2_hat", "initial.x4_hat")
-    if start in observer.build().parameters
+    if start in observer.block().parameters
 ]
 
 

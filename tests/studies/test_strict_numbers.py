@@ -13,6 +13,8 @@ import hillobs
 from hillobs import Error, Muscle, MusclePair, Range, Recording
 from places import RECORDINGS
 
+MANY = np.broadcast_to(0.0, 10**12)
+
 BAD = {
     "a text": "0.1",
     "a truth value": True,
@@ -60,7 +62,8 @@ PLACES: dict[str, Callable[[object], object]] = {
     ),
     "pair mass": lambda bad: dataclasses.replace(PAIR, mass=bad),
     "pair C": lambda bad: dataclasses.replace(PAIR, C=bad),
-    **{f"recording {f}": lambda bad, f=f: dataclasses.replace(RUN, **{f: bad}) for f in ("time", "force_1")},
+    "recording time": lambda bad: dataclasses.replace(RUN, time=bad),
+    "recording force_1": lambda bad: RUN.remeasured(force_1=bad),
     "recording true": lambda bad: dataclasses.replace(RUN, true={"velocity": bad}),
 }
 
@@ -91,7 +94,9 @@ HUGE: dict[str, Callable[[], object]] = {
     "points": lambda: hillobs.simulate(changes={"record": 5e-4, "duration": 1e6}),
     "steps": lambda: hillobs.simulate(changes={"step": 1e-12}),
     "an order": lambda: hillobs.observability(order=10**9),
-    "a recording": lambda: Recording("x", *[np.broadcast_to(0.0, 10**12)] * 4, {}, np.arange(1)),
+    "a recording": lambda: Recording(
+        "x", MANY, dict.fromkeys(("position", "force_1", "force_2"), MANY), {}, np.arange(1)
+    ),
 }
 
 

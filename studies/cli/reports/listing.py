@@ -65,7 +65,7 @@ def _scenarios() -> Iterator[str]:
 
 def _observers() -> Iterator[str]:
     for name, observer in OBSERVERS.items():
-        yield f"{name:22} {observer.label}: {_first_line(observer.build.__module__)}"
+        yield f"{name:22} {observer.label}: {_first_line((observer.chains or observer.whole).__module__)}"
 
 
 def _first_line(module: str) -> str:

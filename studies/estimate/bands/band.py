@@ -18,12 +18,11 @@ from .taut import taut
 
 Variable = tuple[tuple[str, ...], NDArray[Any], dict[str, str]]
 
-_ALONE, _BOTH = ("observer", "time"), ("observer", "time", "muscle")
-# estimate → its unit, its words
-_ESTIMATES = {
-    "position": ("m", "position"),
-    "velocity": ("m/s", "velocity"),
-    "disturbance": ("N", "external force"),
+_OF_OBSERVERS = ("observer", "time")
+# estimates of joints, and their words
+_OF_JOINTS = {"position": "positions", "velocity": "velocities", "disturbance": "external forces"}
+# of muscles, with their units
+_OF_MUSCLES = {
     "tendon_length": ("m", "tendon lengths"),
     "fibre_length": ("m", "fibre lengths"),
     "fibre_velocity": ("m/s", "fibre velocities"),
@@ -33,25 +32,31 @@ _ESTIMATES = {
 _FROM = {"": "", "_state": ", from noise and unknown inputs alone", "_muscle": ", from the numbers in doubt alone"}
 
 
-def deviations(case: Case, results: Mapping[str, Result]) -> dict[str, Variable]:
+def deviations(case: Case, results: Mapping[str, Result], units: Mapping[str, str]) -> dict[str, Variable]:
     """`…_sd` of each estimate and its parts, `…_sd_state` and `…_sd_muscle`, as variables of a Dataset.
+
+    units: of positions, velocities and disturbances.
 
     The second part is left out where no number in doubt has a share in it. Not every observer tells the first, and
     without it the whole is not known: both are NaN, or left out if no observer tells it.
     """
     found: dict[str, Variable] = {}
     states, muscles, taut_tendons = _states(case, list(results.values())), muscle_parts(case, results), _taut(case)
-    for name, (unit, words) in _ESTIMATES.items():
+    of_joints = {name: (units[name], words) for name, words in _OF_JOINTS.items()}
+    for name, (unit, words) in {**of_joints, **_OF_MUSCLES}.items():
         parts = {part: of[name] for part, of in (("_state", states), ("_muscle", muscles)) if name in of}
         if "_state" in parts:
             # σ² = σ_state² + σ_muscle²
             parts[""] = functools.reduce(np.hypot, parts.values(), np.zeros(()))
         for part, values in parts.items():
-            dims = _BOTH if values.ndim == len(_BOTH) else _ALONE
-            if dims == _BOTH:
+            about = {"long_name": f"standard deviation of the estimated {words}{_FROM[part]}", "units": unit}
+            if name in _OF_MUSCLES:
                 values[:, ~taut_tendons] = np.nan
-            about = f"standard deviation of the estimated {words}{_FROM[part]}"
-            found[f"{name}_sd{part}"] = dims, values, {"long_name": about, "units": unit}
+                found[f"{name}_sd{part}"] = (*_OF_OBSERVERS, "muscle"), values, about
+            elif case.subject.joints:
+                found[f"{name}_sd{part}"] = (*_OF_OBSERVERS, "joint"), values, about
+            else:
+                found[f"{name}_sd{part}"] = _OF_OBSERVERS, values[..., 0], about
     return found
 
 
@@ -66,9 +71,9 @@ def _states(case: Case, results: Sequence[Result]) -> dict[str, Array]:
         return np.stack([np.stack([r.y.get(sd(n), unknown) for n in names], axis=-1) for r in results])
 
     return {
-        "position": s.metres(stacked("x1")[..., 0]),
-        "velocity": s.velocity(stacked("x2")[..., 0]),
-        "disturbance": s.disturbance(stacked("Delta")[..., 0]),
+        "position": s.metres(stacked("x1")),
+        "velocity": s.velocity(stacked("x2")),
+        "disturbance": case.subject.disturbance(0 * stacked("x1"), stacked("Delta")),
         "tendon_length": s.metres(stacked(*STATES[2:])),
         "fibre_length": s.metres(stacked(*FIBRES)),
         "fibre_velocity": s.velocity(stacked("u1", "u2")),
@@ -78,5 +83,6 @@ def _states(case: Case, results: Sequence[Result]) -> dict[str, Array]:
 
 def _taut(case: Case) -> NDArray[np.bool_]:
     """Where the length of each tendon can be known (time × muscle)."""
-    sigmas = case.sizes.sigma_F1, case.sizes.sigma_F2
-    return np.stack([taut(case.y[:, j], sigma) for j, sigma in enumerate(sigmas, start=1)], axis=1)[case.kept]
+    sigmas = [muscle.sigma_F for muscle in case.sizes.muscles.values()]
+    forces = case.y[:, len(case.subject.system.joints) :].T
+    return np.stack([taut(force, sigma) for force, sigma in zip(forces, sigmas, strict=True)], axis=1)[case.kept]

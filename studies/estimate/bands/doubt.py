@@ -6,17 +6,17 @@ import difflib
 from collections.abc import Mapping
 
 from ....model.block import Parameter, Parameters
-from ....model.symbols import MUSCLES
-from ....observers.behind.sensitivity import FORCE_BIAS
+from ....observers.behind.sensitivity import FORCE_BIAS, PENNATION
 from ...files.errors import ScenarioError
 from ...files.numbers import NUMBER
 from ...files.quote import short, shown, table
 from ...laboratory.deviations import deviation
-from ...laboratory.muscles import PAIR, SIZES, MusclePair, numbers_of
+from ...laboratory.muscles import PAIR, SIZES, numbers_of
+from ...laboratory.subject import Subject
 
 POSITION_BIAS = "position_bias"
 # sensors measure in SI
-_FORCE, _POSITION = "N", "m"
+_FORCE, _POSITION, _ANGLE = "N", "m", "rad"
 
 _CHOSEN = "chosen, docs/observers.md#bands"
 # relative standard deviations
@@ -37,24 +37,24 @@ USUAL: Parameters = {
 
 # of curves no number has a unit
 _UNITS = {**{key: parameter.unit for key, parameter in {**SIZES, **PAIR}.items()}, FORCE_BIAS: _FORCE}
-_UNITS[POSITION_BIAS] = _POSITION
+_UNITS |= {POSITION_BIAS: _POSITION, PENNATION: _ANGLE}
 
 
-def doubts(pair: MusclePair, given: Mapping[str, float | str], usual: bool) -> dict[str, float]:
+def doubts(subject: Subject, given: Mapping[str, float | str], usual: bool) -> dict[str, float]:
     """Path such as muscle1.F_max → standard deviation in SI.
 
-    given: number of one muscle, or name of that of both → standard deviation, as `deviation` takes it. Where nothing is
+    given: number of one muscle, or name of that of all → standard deviation, as `deviation` takes it. Where nothing is
     given those of the muscle file count, and where it has none the usual ones; neither if not `usual`. ScenarioError
     names what is unknown or no standard deviation.
     """
-    known = _known(pair)
+    known = _known(subject)
     found: dict[str, float] = {}
     if usual:
         names = {path: path.rpartition(".")[2] for path in known}
         found = {path: USUAL[name].default * abs(known[path][0]) for path, name in names.items() if name in USUAL}
-        found |= pair.sds
-        found |= {f"{name}.{key}": sd for name in MUSCLES for key, sd in getattr(pair, name).sds.items()}
-    # those of one muscle come before those of both
+        found |= subject.pair.sds if subject.pair else {}
+        found |= {f"{name}.{key}": sd for name, muscle in subject.muscles.items() for key, sd in muscle.sds.items()}
+    # those of one muscle come before those of all
     for name, sd in sorted(table("doubt", given).items(), key=lambda item: "." in item[0]):
         paths = [path for path in known if name in (path, path.partition(".")[2])]
         if not paths:
@@ -66,14 +66,15 @@ def doubts(pair: MusclePair, given: Mapping[str, float | str], usual: bool) -> d
 
 
 def stated(doubt: Mapping[str, float]) -> dict[str, str]:
-    """Number → its standard deviation with its unit; of both muscles together where theirs are the same.
+    """Number → its standard deviation with its unit; of all muscles together where theirs are the same.
 
     doubt: as `doubts` returns it.
     """
     found: dict[str, str] = {}
+    muscles = dict.fromkeys(path.partition(".")[0] for path in doubt if "." in path)
     for path, sd in doubt.items():
         name = path.rpartition(".")[2]
-        alike = [doubt.get(f"{muscle}.{name}") == sd for muscle in MUSCLES]
+        alike = [doubt.get(f"{muscle}.{name}") == sd for muscle in muscles if path != name] or [False]
         found[name if all(alike) else path] = f"{sd:.3g} {_UNITS.get(name, '')}".rstrip()
     return found
 
@@ -86,14 +87,17 @@ def parse_doubt(typed: str) -> tuple[str, float | str]:
     return name, float(sd) if NUMBER.fullmatch(sd) else sd
 
 
-def _known(pair: MusclePair) -> dict[str, tuple[float, str]]:
+def _known(subject: Subject) -> dict[str, tuple[float, str]]:
     """All numbers that may be in doubt: path → value and unit. A bias is 0, else it would be corrected."""
     known: dict[str, tuple[float, str]] = {}
-    for name in MUSCLES:
-        muscle = getattr(pair, name)
+    for name, muscle in subject.muscles.items():
         known |= {f"{name}.{key}": (getattr(muscle, key), parameter.unit) for key, parameter in SIZES.items()}
         for key, parameter in numbers_of(muscle.curves).items():
             known[f"{name}.{key}"] = muscle.numbers[key], parameter.unit
+        if muscle.pennation:
+            known[f"{name}.{PENNATION}"] = muscle.pennation, _ANGLE
         known[f"{name}.{FORCE_BIAS}"] = 0.0, _FORCE
-    known |= {key: (getattr(pair, key), parameter.unit) for key, parameter in PAIR.items()}
+    if subject.pair is None:
+        return known
+    known |= {key: (getattr(subject.pair, key), parameter.unit) for key, parameter in PAIR.items()}
     return {**known, POSITION_BIAS: (0.0, _POSITION)}

@@ -12,12 +12,20 @@ import numpy as np
 from ....codegen.shared_library import Library, compile_functions
 from ....codegen.toolchain import SINGLE
 from ....model.arrays import Array
-from ....model.curves import Curves, CurveSet, by_muscle
-from ....model.skeleton import lengths, pull
+from ....model.curves import CurveSet
+from ....model.skeleton.load import pull
 from ....model.symbols import MUSCLES, hat
 from ....observers.behind.activation import LIMITS
-from ....observers.behind.sensitivity import FORCE_BIAS, LENGTH_BIAS, MUSCLE_ESTIMATES, numbers, sensitivities
+from ....observers.behind.sensitivity import (
+    FORCE_BIAS,
+    LENGTH_BIAS,
+    MUSCLE_ESTIMATES,
+    PENNATION,
+    numbers,
+    sensitivities,
+)
 from ...laboratory.muscles import SCALED, Muscle
+from ...laboratory.subject import Subject
 from ..case import Case, Result
 from .doubt import POSITION_BIAS
 
@@ -25,22 +33,22 @@ from .doubt import POSITION_BIAS
 _CHUNK = 10_000
 
 
-def compile_sensitivities(curves: Curves) -> None:
-    """Compile what these curves need, or load it from the cache."""
-    for curve_set in by_muscle(curves).values():
-        _compiled(curve_set)
+def compile_sensitivities(subject: Subject) -> None:
+    """Compile what the curves of its muscles need, or load it from the cache."""
+    for muscle in subject.muscles.values():
+        _compiled(muscle.curves, bool(muscle.pennation))
 
 
 def muscle_parts(case: Case, results: Mapping[str, Result]) -> dict[str, Array]:
-    """Estimate → its standard deviation (observer × time, or × muscle), if a number in doubt has a share in it.
+    """Estimate → its standard deviation (observer × time × joint or muscle), if a number in doubt has a share in it.
 
     NaN where it is not finite, as where a tendon has no slope.
     """
     found: dict[str, Array] = {}
     shape = len(results), len(range(len(case.tau))[case.kept])
-    deviations = [_of_muscle(case, j) for j in range(len(MUSCLES))]
+    deviations = [_of_muscle(case, muscle) for muscle in case.subject.muscles]
     if any(deviations):
-        parts = np.empty((len(MUSCLE_ESTIMATES), *shape, len(MUSCLES)))
+        parts = np.empty((len(MUSCLE_ESTIMATES), *shape, len(deviations)))
         # next to slack S may be anything
         with np.errstate(over="ignore", invalid="ignore"):
             for (i, (name, result)), (j, r) in itertools.product(enumerate(results.items()), enumerate(deviations)):
@@ -50,60 +58,69 @@ def muscle_parts(case: Case, results: Mapping[str, Result]) -> dict[str, Array]:
         parts[~np.isfinite(parts)] = np.nan
         found = {name: part for name, part in zip(MUSCLE_ESTIMATES, parts, strict=True) if np.nansum(part)}
     if bias := case.doubt.get(POSITION_BIAS):
-        found["position"] = np.full(shape, bias)
-    if case.doubt.keys() & {"mass", *_FORCE_BIASES}:
-        found["disturbance"] = _of_the_disturbance(case, results)
+        found["position"] = np.full((*shape, 1), bias)
+    biases = np.array([case.doubt.get(f"{muscle}.{FORCE_BIAS}", 0.0) for muscle in case.subject.muscles])
+    if biases.any() or "mass" in case.doubt:
+        found["disturbance"] = _of_the_disturbance(case, results, biases)
     return found
 
 
-_FORCE_BIASES = [f"{name}.{FORCE_BIAS}" for name in MUSCLES]
-
-
-def _of_the_disturbance(case: Case, results: Mapping[str, Result]) -> Array:
-    s, shares = case.scales, [case.doubt.get(path, 0.0) for path in _FORCE_BIASES]
-    force = s.disturbance(np.stack([result.y[hat("Delta")] for result in results.values()]))
-    # mass q̈ = R F + disturbance:  S of a force is ±1, that of the mass q̈
-    acceleration = (force + pull(case.y[case.kept, 1:].T * s.force)) / s.mass
-    part: Array = np.hypot(math.hypot(*shares), acceleration * case.doubt.get("mass", 0.0))
+def _of_the_disturbance(case: Case, results: Mapping[str, Result], biases: Array) -> Array:
+    system, s = case.subject.system, case.scales
+    q, Delta = (
+        np.stack([np.stack([result.y[hat(name)] for name in names], axis=-1) for result in results.values()])
+        for names in (system.joint("q"), system.joint("Delta"))
+    )
+    # M q̈ + … = R F + disturbance:  S of a force is its moment arm
+    R = case.subject.laws.moment_arms(q) * (s.length / s.coordinates)
+    part: Array = np.sqrt(((R * biases[:, None]) ** 2).sum(axis=-2))
+    if mass := case.doubt.get("mass", 0.0):
+        # that of the mass q̈
+        force = case.subject.disturbance(q, Delta)
+        acceleration = (force + pull(case.y[case.kept, 1:].T * s.force)[:, None]) / case.pair.mass
+        part = np.hypot(part, acceleration * mass)
     return part
 
 
 def _shares(case: Case, j: int, r: Mapping[str, float], name: str, result: Result) -> Iterator[tuple[slice, Array]]:
-    """S_θ r_θ of muscle j + 1 by one observer, piece by piece: samples, and (samples × number in doubt × estimate)."""
-    s, muscle, y = case.scales, getattr(case.pair, MUSCLES[j]), result.y
-    of = numbers(muscle.curves)
+    """S_θ r_θ of a muscle by one observer, piece by piece: samples, and (samples × number in doubt × estimate)."""
+    s, system, y = case.scales, case.subject.system, result.y
+    muscle = list(case.subject.muscles.values())[j]
+    oblique = bool(muscle.pennation)
+    of = numbers(muscle.curves, oblique)
     theta = _values(muscle)
     values = [theta[number] for number in of]
     doubted = [i for i, number in enumerate(of) if number in r]
     sd = np.array([r[of[i]] for i in doubted])[:, None]
     limits = [case.settings.changes.get(f"{name}.{key}", LIMITS[key].default) for key in ("u_low", "u_high")]
-    for start in range(0, len(y[hat("x1")]), _CHUNK):
+    L_S_hat, u_hat = (hat(system.muscle(signal)[j]) for signal in ("L_S", "u"))
+    q, dq = (np.stack([y[hat(name)] for name in system.joint(signal)], axis=-1) for signal in ("q", "dq"))
+    for start in range(0, len(q), _CHUNK):
         rows = slice(start, start + _CHUNK)
-        q, L_S = (s.metres(y[hat(state)][rows]) for state in ("x1", f"x{j + 3}"))
-        dq, u = (s.velocity(y[hat(rate)][rows]) for rate in ("x2", f"u{j + 1}"))
-        # L̇_m = −Rᵀq̇: the length at q̇ of a pair with its origins at 0
-        L_m, dL_m = lengths(q, case.pair.C)[j], lengths(dq, 0.0)[j]
+        L_m = s.metres(case.subject.laws.lengths(q[rows])[:, j])
+        dL_m = s.velocity(case.subject.laws.rates(q[rows], dq[rows])[:, j])
+        L_S, u = s.metres(y[L_S_hat][rows]), s.velocity(y[u_hat][rows])
         x = np.stack(np.broadcast_arrays(L_m, dL_m, L_S, u, *limits), axis=1)
-        (flat,) = _compiled(muscle.curves).call("sensitivities", x, values)
+        (flat,) = _compiled(muscle.curves, oblique).call("sensitivities", x, values)
         S = flat.reshape(-1, len(of), len(MUSCLE_ESTIMATES))
         yield rows, S[:, doubted] * sd
 
 
 def _values(muscle: Muscle) -> dict[str, float]:
     """The numbers of a muscle by the names that curve sets have; sensors count as right."""
-    return {**muscle.numbers, **muscle.sizes, FORCE_BIAS: 0.0, LENGTH_BIAS: 0.0}
+    return {**muscle.numbers, **muscle.sizes, PENNATION: muscle.pennation, FORCE_BIAS: 0.0, LENGTH_BIAS: 0.0}
 
 
-def _of_muscle(case: Case, j: int) -> dict[str, float]:
-    """Number of muscle j + 1 → standard deviation, if it is in doubt."""
-    prefix = f"{MUSCLES[j]}."
+def _of_muscle(case: Case, muscle: str) -> dict[str, float]:
+    """Number of a muscle → standard deviation, if it is in doubt."""
+    prefix = f"{muscle}."
     own = {path.removeprefix(prefix): r for path, r in case.doubt.items() if path.startswith(prefix)}
     # C is in the length of muscle 2 only
-    length = math.hypot(case.doubt.get(POSITION_BIAS, 0.0), (0.0, case.doubt.get("C", 0.0))[j])
+    length = math.hypot(case.doubt.get(POSITION_BIAS, 0.0), case.doubt.get("C", 0.0) * (muscle == MUSCLES[1]))
     return {SCALED.get(key, key): r for key, r in own.items()} | ({LENGTH_BIAS: length} if length else {})
 
 
 @functools.lru_cache(maxsize=32)
-def _compiled(curves: CurveSet) -> Library:
+def _compiled(curves: CurveSet, oblique: bool) -> Library:
     # in lanes Millard's curves would take three times as long to compile
-    return compile_functions([sensitivities(curves)], SINGLE)
+    return compile_functions([sensitivities(curves, oblique)], SINGLE)

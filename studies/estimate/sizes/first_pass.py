@@ -7,19 +7,22 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Callable
-from dataclasses import asdict, astuple, fields
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import astuple, fields, replace
+from typing import TypeVar
 
-import casadi as ca
 import numpy as np
 
 from ....codegen.bank import Bank
 from ....codegen.recordings.filters import CompiledBank
 from ....model.arrays import Array
 from ....model.block import Block, Symbols, symbols
-from ....model.skeleton import pull
-from ....observers.high_gain import HIGH_GAIN
-from ....observers.observer import Sizes
+from ....model.symbols import hat
+from ....model.system import System
+from ....observers.chained import told
+from ....observers.high_gain import HIGH_GAIN, chains
+from ....observers.observer import JointSizes, MuscleSizes, SystemSizes
+from ...laboratory.laws import Laws
 from ..substeps import substeps
 from .noise import Noise, despiked, even_steps, noise
 from .timescales import filled, smoothed, time_scale, twice_integrated
@@ -46,108 +49,191 @@ _BLOCKS, _BLOCK = 10, 10_000
 FEW = 50
 
 # of a recording too short for statistics
-_SHORT = Sizes(1e-3, 1e-3, 1e-3, 1e-3, 1e-3, eps_1=0.2, eps_L=0.05, eps_L3=0.1, D=0.1, D_max=0.2, U=0.1, U_max=0.3)
+_SHORT_JOINT = JointSizes(sigma=1e-3, eps=0.2, D=0.1, D_max=0.2)
+_SHORT_MUSCLE = MuscleSizes(sigma_F=1e-3, sigma_L=1e-3, eps_2=0.05, eps_3=0.1, U=0.1, U_max=0.3)
 
 
-def first_pass(y: Array, z: Array, m: float, T: float, tau: Array | None = None) -> Sizes:
+def first_pass(laws: Laws, y: Array, z: Array, T: float, tau: Array | None = None) -> SystemSizes:
     """The sizes of a recording of finite samples.
 
-    y: what is measured (3 × n); z: tendon lengths Φ_S⁻¹(y₂), Φ_S⁻¹(y₃) (2 × n); m: mass; T: sampling period; tau: times
-    (n), if samples are not equidistant. Then T is the median of their distances, noise is that of even steps, and where
-    samples are missing straight lines count. Of more than 100,000 samples ten blocks are looked at.
+    y: what is measured (n × positions and forces); z: tendon lengths Φ_S⁻¹(y) (n × muscles); T: sampling period; tau:
+    times (n), if samples are not equidistant. Then T is the median of their distances, noise is that of even steps, and
+    where samples are missing straight lines count. Of more than 100,000 samples ten blocks are looked at.
     """
-    # acc = R F/m
-    signals, T = np.vstack([y, z, pull(y[1:]) / m]), float(T)
-    n = signals.shape[1]
+    n, T = len(y), float(T)
     if n < FEW:
-        least = {name: max(getattr(_SHORT, name), _FASTEST * T) for name in ("eps_1", "eps_L", "eps_L3")}
-        return Sizes(**{**asdict(_SHORT), **least})
+        return _short(laws.system, T)
     if n <= _BLOCKS * _BLOCK:
-        return _sizes(signals, T, tau)
+        return _sizes(laws, y, z, T, tau)
     blocks = [slice(start, start + _BLOCK) for start in np.linspace(0, n - _BLOCK, _BLOCKS).astype(int)]
-    return _merged([_sizes(signals[:, block], T, None if tau is None else tau[block]) for block in blocks])
+    return _merged([_sizes(laws, y[b], z[b], T, None if tau is None else tau[b]) for b in blocks])
 
 
-def _sizes(signals: Array, T: float, tau: Array | None) -> Sizes:
+def _short(system: System, T: float) -> SystemSizes:
+    """Gains that follow most muscles."""
+    least = _FASTEST * T
+    joint = replace(_SHORT_JOINT, eps=max(_SHORT_JOINT.eps, least))
+    muscle = replace(_SHORT_MUSCLE, eps_2=max(_SHORT_MUSCLE.eps_2, least), eps_3=max(_SHORT_MUSCLE.eps_3, least))
+    return SystemSizes(dict.fromkeys(system.joints, joint), dict.fromkeys(system.muscles, muscle))
+
+
+def _bounded(eps: float, slowest: float, T: float) -> float:
+    return max(min(eps, slowest), _FASTEST * T)
+
+
+def _sizes(laws: Laws, y: Array, z: Array, T: float, tau: Array | None) -> SystemSizes:
+    system = laws.system
+    joints = len(system.joints)
     even = None if tau is None else even_steps(tau, T)
-    noises = [noise(signal, T, even) for signal in signals[:-1]]
+    of_positions, of_forces, of_lengths = (
+        [noise(signal, T, even) for signal in signals.T] for signals in (y[:, :joints], y[:, joints:], z)
+    )
     if tau is not None:
-        signals = filled(signals, tau, T)
-    sigma_1, sigma_F1, sigma_F2, sigma_L1, sigma_L2 = (nu.sigma for nu in noises)
-    # forces count as lengths and as acceleration
-    seen, spreads = signals[[0, 3, 4, 5]], [sigma_1, sigma_L1, sigma_L2, _SPREAD * float(np.ptp(signals[-1]))]
-    y1, z1, z2, acc = clean = np.array([despiked(*pair) for pair in zip(seen, spreads, strict=True)])
-
-    def bounded(eps: float, slowest: float) -> float:
-        return max(min(eps, slowest), _FASTEST * T)
+        y, z = (filled(signals.T, tau, T).T for signals in (y, z))
+    q = _cleaned(y[:, :joints], [nu.sigma for nu in of_positions])
+    lengths = _cleaned(z, [nu.sigma for nu in of_lengths])
+    # forces count as acceleration too
+    acc = laws.accelerations(y[:, :joints], _speeds(q, of_positions, T), y[:, joints:])
+    acc = _cleaned(acc, [_SPREAD * float(np.ptp(signal)) for signal in acc.T])
+    driven = T * laws.acceleration_noise(y[:, :joints], y[:, joints:], [nu.sigma for nu in of_forces])
 
     # y₁ − ∬(y₃ − y₂)/m: its second derivative is Δ_Φ
-    moved = twice_integrated(acc, T)
-    eps_1 = bounded(_C1 * time_scale(y1 - moved, 3, noises[0], T), _SLOWEST_1)
-    # L_S1 − x₁ and L_S2 + x₁: their derivatives are u₁ and u₂
-    x1 = moved + smoothed(y1 - moved, T, eps_1)
+    eps, smooth = [], []
+    for position, known, nu, density in zip(q.T, acc.T, of_positions, driven, strict=True):
+        moved = twice_integrated(known, T)
+        eps.append(_bounded(_C1 * time_scale(position - moved, 3, nu, T, density), _SLOWEST_1, T))
+        smooth.append(moved + smoothed(position - moved, T, eps[-1]))
+    # L_S − L_m: its derivatives are u and so on
+    rest = lengths - laws.lengths(np.stack(smooth, axis=1))
+    eps_2, eps_3 = (
+        _of_muscles(system, [time_scale(s, k, nu, T) for s, nu in zip(rest.T, of_lengths, strict=True)], c, T)
+        for c, k in ((_CL, 2), (_CL3, 3))
+    )
+    noises = zip(of_forces, of_lengths, strict=True)
+    sizes = SystemSizes(
+        {
+            name: JointSizes(nu.sigma, e, _LEAST, _LEAST)
+            for name, nu, e in zip(system.joints, of_positions, eps, strict=True)
+        },
+        {
+            name: MuscleSizes(F.sigma, L.sigma, e2, e3, _LEAST, _LEAST)
+            for name, (F, L), e2, e3 in zip(system.muscles, noises, eps_2, eps_3, strict=True)
+        },
+    )
+    return _with_inputs(system, sizes, np.column_stack([q, lengths, acc]), of_positions, T)
 
-    def chain(c: float, order: int) -> float:
-        first, second = (time_scale(z, order, nu, T) for z, nu in zip((z1 - x1, z2 + x1), noises[3:], strict=True))
-        return bounded(c * math.sqrt(first * second), _SLOWEST_L)
 
-    eps_L, eps_L3 = chain(_CL, 2), chain(_CL3, 3)
-    inputs = _inputs(clean, T, eps_1, eps_L, noises[0])
-    return Sizes(sigma_1, sigma_F1, sigma_F2, sigma_L1, sigma_L2, eps_1, eps_L, eps_L3, *inputs)
+def _cleaned(signals: Array, spreads: Sequence[float]) -> Array:
+    return np.array([despiked(*pair) for pair in zip(signals.T, spreads, strict=True)]).T
 
 
-def _inputs(signals: Array, T: float, eps_1: float, eps_L: float, noise_1: Noise) -> tuple[float, float, float, float]:
+def _speeds(q: Array, noises: Sequence[Noise], T: float) -> Array:
+    """Velocities for what depends on them little: dampers, and how links swing each other."""
+    scales = [_bounded(_C1 * time_scale(s, 3, nu, T), _SLOWEST_1, T) for s, nu in zip(q.T, noises, strict=True)]
+    smooth = [smoothed(signal, T, eps) for signal, eps in zip(q.T, scales, strict=True)]
+    return np.gradient(np.stack(smooth, axis=1), T, axis=0)
+
+
+def _of_muscles(system: System, scales: Sequence[float], c: float, T: float) -> list[float]:
+    """ε of each muscle; the pair's two have one, as in the paper."""
+    if system.paper:
+        scales = [math.sqrt(math.prod(scales))] * len(scales)
+    return [_bounded(c * scale, _SLOWEST_L, T) for scale in scales]
+
+
+def _with_inputs(
+    system: System, sizes: SystemSizes, signals: Array, of_positions: Sequence[Noise], T: float
+) -> SystemSizes:
     """D, D_max, U, U_max as the high gain observer sees them."""
-    compiled = compile_first_pass()
+    compiled = compile_first_pass(system)
     block = compiled.bank.observers[0]
     numbers = {name: parameter.default for name, parameter in block.parameters.items()}
-    # forces of a mass of 1
-    numbers |= {"eps_h": eps_1, "eps_L": eps_L, "m": 1.0, "initial.x2_hat": 0.0}
-    numbers |= {f"initial.x{i}_hat": float(value) for i, value in zip((1, 3, 4), signals[:3, 0], strict=True)}
-    n = signals.shape[1]
+    numbers |= HIGH_GAIN.gains_of(system, sizes, T)
+    starts = dict(zip((*system.joint("q"), *system.muscle("L_S")), signals[0], strict=False))
+    numbers |= {f"initial.{hat(name)}": float(value) for name, value in starts.items()}
+    numbers |= {f"initial.{hat(name)}": 0.0 for name in system.joint("dq")}
+    n = len(signals)
     times: Array = np.arange(n, dtype=float) * T
-    steps = substeps(HIGH_GAIN, block, numbers, {}, T)
-    estimates = compiled.follow(block.name, list(numbers.values()), steps).samples(times, signals.T).y
-    settled = estimates[min(math.ceil(_SETTLED * max(eps_1, eps_L) / T), n // _PART) :]
-    Delta = settled[:, list(block.y).index("Delta_hat")]
-    u = settled[:, [list(block.y).index(name) for name in ("u1_hat", "u2_hat")]]
-    # D² = mean Δ̂² − 3/16 σ₁² n_c T/ε₁⁵
-    passed = _PASSED * noise_1.sigma**2 * noise_1.correlation * T / eps_1**5
-    D_max, U_max = (max(float(np.quantile(np.abs(signal), _SHARE)), _LEAST) for signal in (Delta, u))
-    D = math.sqrt(max(float(np.mean(Delta**2)) - passed, _LEAST**2))
-    U = math.sqrt(max(float(np.mean(u**2)), _LEAST**2))
-    # a few wild values may lift the mean above what nearly all stay below
-    return min(D, D_max), D_max, min(U, U_max), U_max
+    steps = substeps(HIGH_GAIN, system, block, numbers, {}, T)
+    estimates = compiled.follow(block.name, list(numbers.values()), steps).samples(times, signals).y
+    slowest = max(*(joint.eps for joint in sizes.joints.values()), *(m.eps_2 for m in sizes.muscles.values()))
+    settled = estimates[min(math.ceil(_SETTLED * slowest / T), n // _PART) :]
 
+    def of(*names: str) -> Array:
+        return settled[:, [list(block.y).index(hat(name)) for name in names]]
 
-@functools.cache
-def compile_first_pass() -> CompiledBank:
-    """The high gain observer, told tendon lengths and accelerations instead of forces."""
-    u = symbols("z1 z2 acc")
-    front = Block("measured", u=u, y=Symbols(y2=ca.SX(0), y3=u.acc, L_S1=u.z1, L_S2=u.z2))
-    return CompiledBank(Bank(("y1", "z1", "z2", "acc"), front, None, (HIGH_GAIN.build(),)))
-
-
-def _merged(blocks: list[Sizes]) -> Sizes:
-    """Of the blocks of a recording: the median noise, the mean logarithm of ε, mean squares, the largest values."""
-
-    def median(values: Array) -> float:
-        return float(np.median(values))
-
-    def geometric(values: Array) -> float:
-        return float(np.exp(np.mean(np.log(values))))
-
-    def square(values: Array) -> float:
-        return float(np.sqrt(np.mean(values**2)))
-
-    def largest(values: Array) -> float:
-        return float(np.max(values))
-
-    how: dict[str, Callable[[Array], float]] = {
-        **dict.fromkeys(("sigma_1", "sigma_F1", "sigma_F2", "sigma_L1", "sigma_L2"), median),
-        **dict.fromkeys(("eps_1", "eps_L", "eps_L3"), geometric),
-        **dict.fromkeys(("D", "U"), square),
-        **dict.fromkeys(("D_max", "U_max"), largest),
+    joints = {
+        name: _of_joint(joint, of(Delta), nu, T)
+        for (name, joint), Delta, nu in zip(sizes.joints.items(), system.joint("Delta"), of_positions, strict=True)
     }
-    columns = np.array([astuple(block) for block in blocks]).T
-    return Sizes(*(how[field.name](column) for field, column in zip(fields(Sizes), columns, strict=True)))
+    together = [of(*system.muscle("u"))] * len(system.muscles) if system.paper else map(of, system.muscle("u"))
+    muscles = {
+        name: replace(muscle, **_of_input(u)) for (name, muscle), u in zip(sizes.muscles.items(), together, strict=True)
+    }
+    return SystemSizes(joints, muscles)
+
+
+def _of_joint(joint: JointSizes, Delta: Array, nu: Noise, T: float) -> JointSizes:
+    # D² = mean Δ̂² − 3/16 σ₁² n_c T/ε₁⁵
+    passed = _PASSED * nu.sigma**2 * nu.correlation * T / joint.eps**5
+    largest = _largest(Delta)
+    D = math.sqrt(max(float(np.mean(Delta**2)) - passed, _LEAST**2))
+    # a few wild values may lift the mean above what nearly all stay below
+    return replace(joint, D=min(D, largest), D_max=largest)
+
+
+def _of_input(u: Array) -> dict[str, float]:
+    largest = _largest(u)
+    return {"U": min(math.sqrt(max(float(np.mean(u**2)), _LEAST**2)), largest), "U_max": largest}
+
+
+def _largest(signals: Array) -> float:
+    return max(float(np.quantile(np.abs(signals), _SHARE)), _LEAST)
+
+
+@functools.lru_cache(maxsize=8)
+def compile_first_pass(system: System) -> CompiledBank:
+    """The high gain observer, told tendon lengths and accelerations instead of forces."""
+    lengths, accelerations = system.tendons, [f"acc.{joint}" for joint in system.joints]
+    measured = (*system.joint("y"), *lengths, *accelerations)
+    observer = told(chains(), system)
+    u = symbols([f"measured.{name}" for name in (*lengths, *accelerations)])
+    y = Symbols({name.removeprefix("measured."): symbol for name, symbol in u.items()})
+    front = Block("measured", u=u, y=y)
+    measured = (*system.joint("y"), *u)
+    return CompiledBank(Bank(measured, front, None, (observer,)))
+
+
+def _merged(blocks: list[SystemSizes]) -> SystemSizes:
+    """Of the blocks of a recording: the median noise, the mean logarithm of ε, mean squares, the largest values."""
+    first = blocks[0]
+    return SystemSizes(
+        {name: _together([block.joints[name] for block in blocks]) for name in first.joints},
+        {name: _together([block.muscles[name] for block in blocks]) for name in first.muscles},
+    )
+
+
+def _median(values: Array) -> float:
+    return float(np.median(values))
+
+
+def _geometric(values: Array) -> float:
+    return float(np.exp(np.mean(np.log(values))))
+
+
+def _square(values: Array) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+_HOW: Mapping[str, Callable[[Array], float]] = {
+    **dict.fromkeys(("sigma", "sigma_F", "sigma_L"), _median),
+    **dict.fromkeys(("eps", "eps_2", "eps_3"), _geometric),
+    **dict.fromkeys(("D", "U"), _square),
+    **dict.fromkeys(("D_max", "U_max"), lambda values: float(np.max(values))),
+}
+S = TypeVar("S", JointSizes, MuscleSizes)
+
+
+def _together(sizes: list[S]) -> S:
+    columns = np.array([astuple(one) for one in sizes]).T
+    return type(sizes[0])(*(_HOW[field.name](column) for field, column in zip(fields(sizes[0]), columns, strict=True)))

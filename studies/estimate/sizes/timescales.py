@@ -22,14 +22,14 @@ _MOST = 2
 _NO_NOISE, _NO_SIGNAL = 1e-30, 1e-3
 
 
-def time_scale(signal: Array, order: int, noise: Noise, T: float) -> float:
+def time_scale(signal: Array, order: int, noise: Noise, T: float, density: float = 0.0) -> float:
     """The lag, in τ, from which the differences of this order stand out of the averaged noise for an octave.
 
-    The longest lag if they never do.
+    The longest lag if they never do. density: of white noise that was integrated twice into the signal, order 3.
     """
     n, S = structure(signal, order, T)
-    # (S_k(n) − C(2k, k)σ²) / (C(2k, k)σ² · 8n_c/n)
-    alone = noise.difference(order)
+    # (S_k(n) − C(2k, k)σ²) / (C(2k, k)σ² · 8n_c/n); the third difference of ∬w at the lag h has the variance q h³
+    alone = noise.difference(order) + density * (n * T) ** 3
     ratio = (S - alone) / np.maximum(alone * _AVERAGED * noise.correlation / n, _NO_NOISE)
     above = ratio > 1
     i = next((i for i in range(len(n)) if above[i : i + _PER_OCTAVE].all()), len(n) - 1)

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from random import Random
 
 from hostile.case import FRESH, Layer
-from hostile.draw import drawings, muscles, points, programs, recordings, scenarios, surroundings, sweeps
+from hostile.draw import drawings, models, muscles, points, programs, recordings, scenarios, surroundings, sweeps
 from hostile.draw.names import odd_out
 from hostile.draw.numbers import refused
 
@@ -138,6 +138,12 @@ def _estimate(random: Random) -> Drawn:
     return base, _some(random, [*odd, gain, muscles.curves, scenarios.observers, _out("out")])
 
 
+def _import(random: Random) -> Drawn:
+    base: list[Layer] = [{"words": ["import"]}, models.model(random)]
+    odd = [models.changed, models.changed, models.changed, models.option, models.option, models.odd_file, models.out]
+    return base, _some(random, odd)
+
+
 def _observability(random: Random) -> Drawn:
     base: list[Layer] = [{"words": ["observability"]}, scenarios.scenario(random)]
     extent = [points.extent(random)] if random.random() < 0.1 else []
@@ -205,6 +211,7 @@ _KINDS: dict[str, tuple[int, Callable[[Random], Drawn]]] = {
     "show": (3, _show),
     "rest": (4, _rest),
     "programs": (10, _program),
+    "import": (6, _import),
 }
 # without a mistake they end well
-_COMMANDS = ("simulate", "sweep", "estimate", "observability", "drawings")
+_COMMANDS = ("simulate", "sweep", "estimate", "observability", "drawings", "import")

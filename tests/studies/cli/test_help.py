@@ -27,6 +27,8 @@ COMPLETED = {
     "hillobs simulate --observer s": {"sliding_mode", "s"},
     "hillobs simulate --set high_gain.eps": {"high_gain.eps_h=", "high_gain.eps_L="},
     "hillobs simulate --set muscle.curves=m": {"muscle.curves=millard2012"},
+    "hillobs imp": {"import"},
+    "hillobs import --pa": {"--paths"},
     "hillobs sweep --over noise.": {"noise.x1=", "noise.force=", "noise.drift=", "noise.period="},
 }
 

@@ -11,6 +11,7 @@ import pytest
 import hillobs
 from command_line import CHANGED, SHORT
 from hillobs.model.curves import DEGROOTE_FREGLY2016
+from hillobs.model.system import pair_system
 from hillobs.observers import OBSERVERS
 from hillobs.studies.cli.shell.own_observers import loaded
 from hillobs.studies.estimate.follow import fitted_blocks, follower_bank
@@ -194,7 +195,7 @@ def test_what_only_some_studies_can_do_is_a_sentence(own: Command) -> None:
 @pytest.mark.parametrize("corrected", [False, True])
 def test_scenarios_and_recordings_have_the_same_observers_with_the_same_option(corrected: bool) -> None:
     prepared = prepare("paper-noisy", list(OBSERVERS), {}, corrected=corrected)
-    of_recordings = (DEGROOTE_FREGLY2016, corrected, tuple(OBSERVERS.values()))
+    of_recordings = (pair_system(DEGROOTE_FREGLY2016), corrected, tuple(OBSERVERS.values()))
     blocks = prepared.loop.observers, [*follower_bank(*of_recordings).observers, *fitted_blocks(*of_recordings)]
     simulated, followed = ({b.name: list(b.x) for b in observers} for observers in blocks)
     assert {name: simulated[name] for name in OBSERVERS} == {name: followed[name] for name in OBSERVERS}

@@ -3,7 +3,7 @@
 import gzip
 from pathlib import Path
 
-from places import RECORDINGS
+from places import DATA, RECORDINGS
 
 _SHORT = ["--set", "duration=0.1", "--set", "score.start=0.02", "--observer", "high_gain"]
 _SWEEP = ["sweep", "run.toml", *_SHORT, "--quantity", "x2", "--over", "high_gain.eps_h=0.1,0.2"]
@@ -31,6 +31,7 @@ WRITERS = {
     "along": [*_OBSERVABILITY, "run.toml", "--along", "--set", "duration=0.1", "--set", "score.start=0.02"],
     "map": [*_OBSERVABILITY, "run.toml", "--map", "x3,x4"],
     "curves": ["curves", "--out", "."],
+    "import": ["import", "model.osim", "--out", "arm.toml"],
 }
 
 
@@ -41,4 +42,5 @@ def inputs(folder: Path) -> set[str]:
     rows = gzip.decompress((RECORDINGS / "dgf_smooth_noisy.csv.gz").read_bytes()).splitlines(keepends=True)
     # more than the second that observers settle in: there are scores
     (folder / "short.csv").write_bytes(b"".join(rows[:300]))
-    return {"run.toml", "pair.toml", "short.csv"}
+    (folder / "model.osim").write_bytes((DATA / "arm26_polynomial.osim").read_bytes())
+    return {"run.toml", "pair.toml", "short.csv", "model.osim"}

@@ -15,11 +15,9 @@ from hillobs.model.block import Block, Symbols
 from hillobs.model.closed_loop import closed_loop
 from hillobs.model.curves import NGUYEN2019, NGUYEN2019_PRINTED
 from hillobs.model.dialect import root, sg
-from hillobs.model.pair import pair
+from hillobs.model.plant import plant as plant_of
 from hillobs.model.symbols import STATES, hat
-from hillobs.observers.adaptive_sliding_mode import adaptive_sliding_mode
-from hillobs.observers.high_gain import high_gain
-from hillobs.observers.sliding_mode import sliding_mode
+from hillobs.observers import OBSERVERS
 from hillobs.studies.cli.reports.errata import tables
 from hillobs.studies.errata import printed
 from hillobs.studies.errata import run as study
@@ -74,7 +72,7 @@ def difference(left: Mapping[str, np.ndarray], right: Mapping[str, np.ndarray]) 
     ("right", "switched", "switches"),
     [
         (backstepping, printed.backstepping_as_printed, CONTROLLER),
-        (adaptive_sliding_mode, printed.adaptive_as_printed, OBSERVER),
+        (OBSERVERS["adaptive_sliding_mode"].block, printed.adaptive_as_printed, OBSERVER),
     ],
 )
 def test_all_corrections_together_are_the_corrected_block(right, switched, switches):
@@ -108,7 +106,7 @@ class Errors:
 
     def __init__(self, observer: Block, switches: Mapping[str, float] | None = None, **fixed: float) -> None:
         rng = np.random.default_rng(7)
-        plant = pair()
+        plant = plant_of()
         # y₁ = x₁, y₂ = Φ_S(x₃), Φ_S⁻¹(y₂) = x₃ …
         seen = {"y1": plant.x.x1, "y2": plant.y.Phi_S1, "y3": plant.y.Phi_S2, "L_S1": plant.x.x3, "L_S2": plant.x.x4}
         y = [seen[port] for port in observer.u]
@@ -143,7 +141,7 @@ EXACT = pytest.approx(np.zeros(4), abs=1e-12)
 
 
 def test_error_dynamics_of_the_high_gain_observer():
-    d = Errors(high_gain())
+    d = Errors(OBSERVERS["high_gain"].block())
     o, p, e1, e2, e3, e4 = d.o, d.p, *(d.e(i) for i in range(1, 5))
     eps = p.eps_h
     assert (
@@ -158,7 +156,7 @@ def test_error_dynamics_of_the_high_gain_observer():
 
 
 def test_error_dynamics_of_the_sliding_mode_observer():
-    d = Errors(sliding_mode())
+    d = Errors(OBSERVERS["sliding_mode"].block())
     o, p, e1, e2, e3, e4 = d.o, d.p, *(d.e(i) for i in range(1, 5))
     v11, v12 = p.lambda11 * root(e1) * sg(e1, p.delta_s), p.alpha11 * sg(e1, p.delta_s)
     v2, v3 = p.alpha2 * sg(e3, p.delta_L), p.alpha3 * sg(e4, p.delta_L)
@@ -178,7 +176,7 @@ def adaptive(d: Errors) -> tuple[ca.SX, ...]:
 
 
 def test_error_dynamics_of_the_adaptive_observer():
-    d = Errors(adaptive_sliding_mode())
+    d = Errors(OBSERVERS["adaptive_sliding_mode"].block())
     o, e1, e2 = d.o, d.e(1), d.e(2)
     phi, v1, v3, v4 = adaptive(d)
     alpha = d.p.alpha0 * ca.sqrt(d.p.l0 + o.l_a) * root(e1) * sg(e1, d.p.delta_1)

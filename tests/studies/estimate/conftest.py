@@ -47,7 +47,7 @@ def unlike(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
             Series("position", "m", s.metres(y[:, 0])),
             *(Series(f"force_{j}", "N", y[:, j] * s.force) for j in (1, 2)),
             Series("velocity", "m/s", s.velocity(x.sel(state="x2").values)),
-            Series("disturbance", "N", s.disturbance(run.Delta.values)),
+            Series("disturbance", "N", pair.mass * s.length * s.rate**2 * run.Delta.values),
             *(Series(f"tendon_length_{j}", "m", s.metres(x.sel(state=f"x{j + 2}").values)) for j in (1, 2)),
             *(Series(f"fibre_velocity_{j}", "m/s", s.fibre_velocity(run.u.sel(muscle=j).values)) for j in (1, 2)),
             *(Series(f"activation_{j}", "1", run.a.sel(muscle=j).values) for j in (1, 2)),

@@ -7,10 +7,12 @@ from collections.abc import Mapping
 import numpy as np
 
 from hillobs.model.block import Block
+from hillobs.model.system import PAIR
 from hillobs.observers import OBSERVERS
 from hillobs.observers.observer import Sizes
 from hillobs.studies.estimate.sizes.first_pass import first_pass
 from hillobs.studies.estimate.substeps import substeps
+from hillobs.studies.laboratory.laws import Laws
 from hillobs.studies.scenarios.paths import paths_of
 
 SIGMA = (1e-3, 4e-4, 4e-4)
@@ -25,7 +27,9 @@ MOTION = {
 def looked_at(y: np.ndarray, T: float) -> Sizes:
     """The first pass over y1, z1, z2, acc of a mass of 1 that no force but one pulls."""
     y1, z1, z2, acc = y
-    return first_pass(np.array([y1, 0 * acc, acc]), np.array([z1, z2]), 1.0, T)
+    # C is no matter: only changes of lengths count
+    laws = Laws(PAIR, {"m": 1.0, "C": 0.0})
+    return first_pass(laws, np.column_stack([y1, 0 * acc, acc]), np.column_stack([z1, z2]), T).pair
 
 
 def sines(terms: tuple[tuple[float, float], ...], t: np.ndarray, derivative: int) -> np.ndarray:
@@ -58,4 +62,4 @@ def steps(observer: str, given: Mapping[str, float], T: float) -> int:
     """Substeps with these numbers (name → value), whatever shares one of them, and defaults."""
     block = block_of(observer)
     values = paths_of([block]).values(block, {f"{observer}.{name}": value for name, value in given.items()})
-    return substeps(OBSERVERS[observer], block, dict(zip(block.p, values, strict=True)), {}, T)
+    return substeps(OBSERVERS[observer], PAIR, block, dict(zip(block.p, values, strict=True)), {}, T)

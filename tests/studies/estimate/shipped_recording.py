@@ -1,11 +1,13 @@
 """The shipped noisy recording, parts of it and the errors of its estimates; the file of two unlike muscles."""
 
 import dataclasses
+from pathlib import Path
 
 import xarray as xr
 
 from hillobs.observers import OBSERVERS
 from hillobs.studies.estimate.scores import scores
+from hillobs.studies.files.tables import Series, write_csv
 from hillobs.studies.laboratory.recording import Recording
 from places import RECORDINGS
 
@@ -32,8 +34,16 @@ damping = 0.1
 
 
 def part(whole: Recording, which: object, **changes: object) -> Recording:
-    cut = {name: getattr(whole, name)[which] for name in ("time", "position", "force_1", "force_2", "rows")}
-    return dataclasses.replace(whole, **{**cut, "true": {}, **changes})
+    cut = {"time": whole.time[which], "rows": whole.rows[which]}
+    measured = {name: values[which] for name, values in whole.measured.items()}
+    return dataclasses.replace(whole, **{**cut, "measured": measured, "true": {}, **changes})
+
+
+def write_measured(recording: Recording, path: Path) -> None:
+    """What was measured, as CSV."""
+    units = {"time": "s", "position": "m", "force_1": "N", "force_2": "N"}
+    columns = {"time": recording.time, **recording.measured}
+    write_csv(path, [Series(name, units[name], values) for name, values in columns.items()])
 
 
 def rmse(dataset: xr.Dataset, quantity: str) -> dict[str, float]:

@@ -51,7 +51,7 @@ def test_activations_follow_from_the_true_columns(recording: str, muscles: str) 
     """Curves, signs and units are OpenSim's: forces, lengths and velocities of a file give its activations."""
     read, pair = read_recording(DATA / recording), read_muscles(RECORDINGS / f"{muscles}.toml")
     s = scales(pair)
-    for j, force, L_m in ((1, read.force_1, read.position), (2, read.force_2, pair.C - read.position)):
+    for j, force, L_m in ((1, read["force_1"], read["position"]), (2, read["force_2"], pair.C - read["position"])):
         a = activation(pair, s, j, force, L_m, read.true[f"fibre_velocity_{j}"])
         np.testing.assert_allclose(a, read.true[f"activation_{j}"], atol=1e-6)
 

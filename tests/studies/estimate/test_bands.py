@@ -112,9 +112,7 @@ def test_an_offset_of_a_sensor_moves_the_estimates_by_its_band(
     doubt: str, column: str, offset: float, unlike: tuple[Path, Path]
 ) -> None:
     recording, pair = read_recording(unlike[0]), read_muscles(unlike[1])
-    wrong = [
-        dataclasses.replace(recording, **{column: getattr(recording, column) + sign * offset / 2}) for sign in (-1, 1)
-    ]
+    wrong = [recording.remeasured(**{column: recording[column] + sign * offset / 2}) for sign in (-1, 1)]
     before, after = (settled(estimate(one, pair, LINEAR, usual_doubt=False), "_hat") for one in wrong)
     found = band(recording, pair, {doubt: offset})
     assert {"position_bias": "position_sd_muscle"}.get(doubt, "disturbance_sd_muscle") in found
@@ -236,11 +234,11 @@ def test_the_band_is_that_of_the_sample_whatever_else_is_kept(short: Recording) 
 
 
 def test_a_slack_tendon_has_no_band_until_its_force_has_passed_the_noise(short: Recording) -> None:
-    force = short.force_2.copy()
+    force = short["force_2"].copy()
     force[120:160] = -0.5
     # above 0 and below five times the noise of some 5 N
     force[160:170] = 4.0
-    of = estimate(dataclasses.replace(short, force_2=force), MUSCLES, "kalman").sel(observer="kalman")
+    of = estimate(short.remeasured(force_2=force), MUSCLES, "kalman").sel(observer="kalman")
     for name in OF_A_MUSCLE:
         for suffix in ("_sd", "_sd_state", "_sd_muscle"):
             unknown = np.isnan(of[name + suffix])

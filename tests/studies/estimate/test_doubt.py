@@ -14,10 +14,10 @@ from hillobs.studies.estimate.bands.doubt import USUAL, doubts, parse_doubt
 from hillobs.studies.estimate.bands.taut import taut
 from hillobs.studies.estimate.run import estimate
 from hillobs.studies.files.errors import ScenarioError
-from hillobs.studies.files.tables import Series, write_csv
 from hillobs.studies.laboratory.muscles import SIZES, muscle_file, muscle_pair, numbers_of, read_muscles
 from hillobs.studies.laboratory.recording import Recording
-from shipped_recording import MUSCLES
+from hillobs.studies.laboratory.subject import subject_of
+from shipped_recording import MUSCLES, write_measured
 
 pytestmark = pytest.mark.numerics
 
@@ -37,7 +37,9 @@ def written(folder: Path, text: str) -> Path:
 
 def test_what_is_given_comes_before_the_file_and_the_file_before_what_is_usual(tmp_path: Path) -> None:
     pair = read_muscles(written(tmp_path, ONE))
-    found = doubts(pair, {"v_max": "20%", "muscle1.v_max": 0.5, "force_bias": "5 N", "position_bias": "0.1mm"}, True)
+    found = doubts(
+        subject_of(pair), {"v_max": "20%", "muscle1.v_max": 0.5, "force_bias": "5 N", "position_bias": "0.1mm"}, True
+    )
     expected = {
         "optimal_fibre_length": (0.004, 0.003),  # [muscle2] has a number of its own, without a deviation
         "F_max": (50.0, 100.0),
@@ -49,7 +51,7 @@ def test_what_is_given_comes_before_the_file_and_the_file_before_what_is_usual(t
         assert [found[f"muscle{j}.{number}"] for j in (1, 2)] == pytest.approx(both), number
     assert (found["mass"], found["position_bias"]) == pytest.approx((0.4, 1e-4))
     assert not {"C", "muscle1.damping"} & found.keys()
-    alone = doubts(pair, {"muscle2.damping": 0.1}, usual=False)
+    alone = doubts(subject_of(pair), {"muscle2.damping": 0.1}, usual=False)
     assert alone == {"muscle2.damping": 0.1}
 
 
@@ -95,8 +97,7 @@ BAD = [
 def test_what_is_no_doubt_is_one_sentence(
     typed: str, sentence: str, short: Recording, command: Callable[..., tuple[int, str, str]]
 ) -> None:
-    units = {"time": "s", "position": "m", "force_1": "N", "force_2": "N"}
-    write_csv(Path("short.csv"), [Series(name, unit, getattr(short, name)) for name, unit in units.items()])
+    write_measured(short, Path("short.csv"))
     code, _, err = command("estimate", "short.csv", "--muscles", str(MUSCLES), "--no-figures", "--doubt", typed)
     assert code == 2
     assert err.startswith(f"hillobs: {sentence}")
@@ -144,7 +145,7 @@ def test_what_is_no_doubt_in_python_is_one_sentence(doubt: object, short: Record
 def test_a_doubt_is_typed_with_or_without_its_unit() -> None:
     assert parse_doubt("F_max=50") == ("F_max", 50.0)
     assert parse_doubt(" F_max = 5 % ") == ("F_max", "5 %")
-    assert doubts(PAIR, {"C": "1e1 mm"}, usual=False) == pytest.approx({"C": 0.01})
+    assert doubts(subject_of(PAIR), {"C": "1e1 mm"}, usual=False) == pytest.approx({"C": 0.01})
 
 
 def test_a_number_is_not_doubted_twice(command: Callable[..., tuple[int, str, str]]) -> None:

@@ -10,9 +10,8 @@ import pytest
 from hillobs.observers import PAPER
 from hillobs.studies.estimate.run import estimate
 from hillobs.studies.files.errors import RecordingError, ScenarioError
-from hillobs.studies.files.tables import Series, write_csv
 from hillobs.studies.laboratory.recording import Recording
-from shipped_recording import MUSCLES
+from shipped_recording import MUSCLES, write_measured
 
 pytestmark = pytest.mark.numerics
 
@@ -25,7 +24,7 @@ def test_what_cannot_be_is_a_sentence(short: Recording) -> None:
     with pytest.raises(ScenarioError, match="keep_every must be a whole number from 1 to 250,000,000, not 0"):
         estimate(short, MUSCLES, keep_every=0)
     still = dict.fromkeys(("position", "force_1", "force_2"), np.broadcast_to(0.1, 10**7))
-    many = dataclasses.replace(short, time=np.arange(1e7), **still, true={})
+    many = dataclasses.replace(short, time=np.arange(1e7), measured=still, true={})
     with pytest.raises(ScenarioError, match=r"10,000,000 samples make .* keep every 6th \(--every 6\) or fewer"):
         estimate(many, MUSCLES)
     for none in ([], (), 3):
@@ -42,7 +41,7 @@ def test_what_cannot_be_is_a_sentence(short: Recording) -> None:
 @pytest.mark.parametrize(
     ("arguments", "code", "sentence"),
     [
-        ((), 2, "Missing option '--muscles'."),
+        ((), 2, "a recording needs --muscles FILE.toml, a pair, or --mechanism FILE.toml, one of"),
         (("--muscles", "nowhere.toml"), 2, "nowhere.toml: cannot be read: No such file or directory"),
         (("--muscles", "short.csv"), 2, "short.csv: not valid TOML"),
         (("--muscles", str(MUSCLES), "--observer", "luenberger"), 2, "unknown observer 'luenberger'"),
@@ -64,8 +63,7 @@ def test_what_cannot_be_is_a_sentence(short: Recording) -> None:
 def test_mistakes_on_the_command_line_are_one_sentence(
     arguments: tuple[str, ...], code: int, sentence: str, short: Recording, command: Callable[..., tuple[int, str, str]]
 ) -> None:
-    inputs = {"time": "s", "position": "m", "force_1": "N", "force_2": "N"}
-    write_csv(Path("short.csv"), [Series(name, unit, getattr(short, name)) for name, unit in inputs.items()])
+    write_measured(short, Path("short.csv"))
     exit_code, _, err = command("estimate", "short.csv", "--no-figures", *arguments)
     assert exit_code == code
     assert err.startswith(f"hillobs: {sentence}")

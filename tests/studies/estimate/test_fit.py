@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 
 import hillobs
-from hillobs.studies.files.tables import Series, write_csv
 from hillobs.studies.laboratory.recording import Recording
-from shipped_recording import MUSCLES
+from shipped_recording import MUSCLES, write_measured
 
 pytestmark = pytest.mark.numerics
 
@@ -20,8 +19,7 @@ OF_KALMAN = ("--muscles", str(MUSCLES), "--observer", "kalman", "--form", "u", "
 @pytest.fixture
 def recorded(command: Command, short: Recording) -> Command:
     """The command line in a folder with a recording."""
-    units = {"time": "s", "position": "m", "force_1": "N", "force_2": "N"}
-    write_csv(Path("short.csv"), [Series(name, unit, getattr(short, name)) for name, unit in units.items()])
+    write_measured(short, Path("short.csv"))
     return command
 
 

@@ -22,18 +22,18 @@ pytestmark = pytest.mark.numerics
 
 
 def test_short_gaps_are_bridged_and_told(short: Recording) -> None:
-    force = short.force_1.copy()
+    force = short["force_1"].copy()
     force[100:110] = np.nan
-    estimates = estimate(dataclasses.replace(short, force_1=force), MUSCLES, ALL_OBSERVERS)
+    estimates = estimate(short.remeasured(force_1=force), MUSCLES, ALL_OBSERVERS)
     assert np.flatnonzero(estimates.bridged).tolist() == list(range(100, 110))
     np.testing.assert_allclose(
-        estimates.force[100:110, 0], np.interp(np.arange(10), [-1, 10], short.force_1[[99, 110]])
+        estimates.force[100:110, 0], np.interp(np.arange(10), [-1, 10], short["force_1"][[99, 110]])
     )
     told = list(notes(estimates))
     assert "gaps bridged by straight lines from 0.5 to 0.545 s" in told
     assert "force_1 has no value in 10 of 300 rows: 102–111" in told
     # the bridge is what a straight line would have been, but for the filter that knows that nothing was measured
-    straight = dataclasses.replace(short, force_1=estimates.force[:, 0].values)
+    straight = short.remeasured(force_1=estimates.force[:, 0].values)
     as_measured = estimate(straight, MUSCLES, ALL_OBSERVERS)
     others = [name for name in ALL_OBSERVERS if name != "kalman"]
     np.testing.assert_array_equal(
@@ -52,8 +52,10 @@ def test_gains_and_noise_are_those_of_the_recording_where_a_quarter_of_its_sampl
     estimates = estimate(part(whole, kept, true=true), MUSCLES, ["high_gain", "kalman"])
     sizes, usual = (json.loads(of.attrs["sizes"]) for of in (estimates, noisy))
     # a median of 360 differences is off by 1.2/√360 = 6 %
-    for name in ("sigma_1", "sigma_F1", "sigma_F2", "eps_1", "eps_L", "D", "U"):
-        assert sizes[name] == pytest.approx(usual[name], rel=0.15), name
+    for kind, names in (("joints", ("sigma", "eps", "D")), ("muscles", ("sigma_F", "eps_2", "U"))):
+        for of, expected in usual[kind].items():
+            for name in names:
+                assert sizes[kind][of][name] == pytest.approx(expected[name], rel=0.15), (of, name)
     for quantity in ("velocity", "activation"):
         errors, all_of_it = rmse(estimates, quantity), rmse(noisy, quantity)
         for name, error in errors.items():
@@ -71,9 +73,9 @@ def test_gains_and_noise_are_those_of_the_recording_where_a_quarter_of_its_sampl
     ],
 )
 def test_gaps_that_nobody_can_bridge_are_refused(name: str, places: slice, sentence: str, short: Recording) -> None:
-    values = getattr(short, name).copy()
+    values = short[name].copy()
     values[places] = np.nan
-    assert refusal(dataclasses.replace(short, **{name: values})) == sentence
+    assert refusal(short.remeasured(**{name: values})) == sentence
 
 
 def refusal(recording: Recording, muscles: str | Path | MusclePair = MUSCLES) -> str:
@@ -92,9 +94,9 @@ def refusal(recording: Recording, muscles: str | Path | MusclePair = MUSCLES) ->
     ],
 )
 def test_what_no_muscle_can_do_is_refused(name: str, value: float, sentence: str, short: Recording) -> None:
-    values = getattr(short, name).copy()
+    values = short[name].copy()
     values[10:] = value
-    assert refusal(dataclasses.replace(short, **{name: values})) == sentence
+    assert refusal(short.remeasured(**{name: values})) == sentence
 
 
 def test_missing_rows_and_slow_sampling_are_refused(short: Recording) -> None:
@@ -126,9 +128,9 @@ def test_one_row_is_too_few_and_two_will_do(short: Recording) -> None:
 
 
 def test_slack_and_limits_are_told(short: Recording) -> None:
-    force = short.force_2.copy()
+    force = short["force_2"].copy()
     force[120:160] = -0.5
-    estimates = estimate(dataclasses.replace(short, force_2=force), MUSCLES, "high_gain")
+    estimates = estimate(short.remeasured(force_2=force), MUSCLES, "high_gain")
     assert np.flatnonzero(estimates.slack.sel(muscle=2)).tolist() == list(range(120, 160))
     assert not estimates.slack.sel(muscle=1).any()
     told = "\n".join(notes(estimates))
@@ -142,8 +144,9 @@ def test_muscles_that_are_swapped_are_suspected(noisy: xr.Dataset, mirrored: boo
     told = "accelerates against the difference of the tendon forces"
     assert told not in "\n".join(notes(noisy))
     whole = read_recording(SHIPPED)
-    wrong = {"position": 0.62 - whole.position} if mirrored else {"force_1": whole.force_2, "force_2": whole.force_1}
-    assert told in "\n".join(notes(estimate(part(whole, slice(None), **wrong), MUSCLES, "high_gain")))
+    swapped = {"force_1": whole["force_2"], "force_2": whole["force_1"]}
+    wrong = whole.remeasured(**({"position": 0.62 - whole["position"]} if mirrored else swapped))
+    assert told in "\n".join(notes(estimate(wrong, MUSCLES, "high_gain")))
 
 
 numbers = st.floats(allow_nan=False, allow_infinity=False, width=64)
@@ -166,7 +169,8 @@ def test_whatever_was_recorded_there_is_a_result_or_one_sentence(
     rows: list[tuple[float, float, float, float]],
 ) -> None:
     steps, position, force_1, force_2 = np.array(rows).T
-    recording = Recording("any.csv", np.cumsum(steps), position, force_1, force_2, {}, np.arange(len(rows)) + 2)
+    measured = {"position": position, "force_1": force_1, "force_2": force_2}
+    recording = Recording("any.csv", np.cumsum(steps), measured, {}, np.arange(len(rows)) + 2)
     told = ""
     try:
         estimates = estimate(recording, MUSCLES, ALL_OBSERVERS)

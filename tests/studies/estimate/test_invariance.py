@@ -41,9 +41,11 @@ def test_units_and_sizes_change_no_activation(
     scaled = dataclasses.replace(
         short,
         time=short.time / rate,
-        position=short.position * length,
-        force_1=short.force_1 * force,
-        force_2=short.force_2 * force,
+        measured={
+            "position": short["position"] * length,
+            "force_1": short["force_1"] * force,
+            "force_2": short["force_2"] * force,
+        },
     )
     before, after = estimate(short, pair, observer), estimate(scaled, other, observer)
     np.testing.assert_allclose(after.activation_hat, before.activation_hat, atol=1e-9)
@@ -56,9 +58,7 @@ def test_units_and_sizes_change_no_activation(
 
 def test_the_mirror_image_has_its_muscles_swapped(short: Recording) -> None:
     pair = read_muscles(MUSCLES)
-    mirrored = dataclasses.replace(
-        short, position=pair.C - short.position, force_1=short.force_2, force_2=short.force_1
-    )
+    mirrored = short.remeasured(position=pair.C - short["position"], force_1=short["force_2"], force_2=short["force_1"])
     before, after = estimate(short, pair, ALL_OBSERVERS), estimate(mirrored, pair, ALL_OBSERVERS)
     # the adaptive laws jump; what is left of a rounding error is larger there
     np.testing.assert_allclose(after.activation_hat[..., ::-1], before.activation_hat, atol=1e-6)

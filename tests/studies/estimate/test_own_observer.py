@@ -19,7 +19,7 @@ pytestmark = pytest.mark.numerics
 
 
 def test_a_users_own_observer_follows_a_recording(short: Recording) -> None:
-    mine = double_pole("mine")
+    mine = double_pole(name="mine")
     # as fast as this both take one step from sample to sample, 0.05 in τ
     by_hand = {"mine.rate": 10, "high_gain.eps_h": 0.1, "high_gain.eps_L": 0.1}
     estimates = estimate(short, MUSCLES, ["high_gain", mine], changes=by_hand)
@@ -31,7 +31,7 @@ def test_a_users_own_observer_follows_a_recording(short: Recording) -> None:
 
 
 def test_a_users_own_observer_has_its_defaults_and_steps_of_its_eigenvalues(short: Recording) -> None:
-    mine = double_pole("mine")
+    mine = double_pole(name="mine")
     estimates = estimate(short, MUSCLES, mine)
     assert json.loads(estimates.attrs["gains"]) == {"mine": {}}
     assert "mine: 1 step from sample to sample" in list(notes(estimates))
@@ -45,7 +45,7 @@ def test_a_users_own_observer_has_its_defaults_and_steps_of_its_eigenvalues(shor
 
 
 def test_an_observer_that_estimates_activations_itself_has_no_limits(short: Recording) -> None:
-    plain = double_pole("mine")
+    plain = double_pole(name="mine")
     a = Symbols(a1_hat=ca.SX(0.25), a2_hat=ca.SX(0.5))
     estimates = estimate(short, MUSCLES, dataclasses.replace(plain, y=Symbols({**plain.y, **a})))
     assert (estimates.activation_hat == [0.25, 0.5]).all()
@@ -55,15 +55,15 @@ def test_an_observer_that_estimates_activations_itself_has_no_limits(short: Reco
 @pytest.mark.parametrize("name", ["high_gain", "plant", "initial", "muscle1", "lengths", "tendons"])
 def test_a_name_that_is_taken_is_refused(name: str, short: Recording) -> None:
     with pytest.raises(ScenarioError, match=f"the name '{name}' is taken; give your observer another one"):
-        estimate(short, MUSCLES, double_pole(name))
+        estimate(short, MUSCLES, double_pole(name=name))
 
 
 def test_a_users_own_observer_that_no_recording_can_move_is_refused(short: Recording) -> None:
-    mine = double_pole("mine")
+    mine = double_pole(name="mine")
     counting = symbols("n")
     counter = dataclasses.replace(mine, x=Symbols({**mine.x, **counting}), per_step=Symbols(n=counting.n + 1))
     with pytest.raises(ScenarioError, match="mine moves at the points of a time grid, and a recording has none"):
         estimate(short, MUSCLES, counter)
     with pytest.raises(ScenarioError, match="two observers are called 'mine'; give one another name"):
-        estimate(short, MUSCLES, [mine, double_pole("mine")])
+        estimate(short, MUSCLES, [mine, double_pole(name="mine")])
     assert estimate(short, MUSCLES, [mine, mine]).sizes["observer"] == 1

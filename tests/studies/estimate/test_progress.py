@@ -10,8 +10,8 @@ from hillobs.codegen.recordings import filters
 from hillobs.studies.cli.reports.estimates.estimate import notes, timing
 from hillobs.studies.estimate.files import save_estimates
 from hillobs.studies.estimate.run import compile_observers, estimate
-from hillobs.studies.laboratory.muscles import read_muscles
 from hillobs.studies.laboratory.recording import Recording
+from hillobs.studies.laboratory.subject import subject_of
 from shipped_recording import MUSCLES, SHIPPED, part
 
 pytestmark = pytest.mark.numerics
@@ -67,6 +67,6 @@ def test_times_are_told_without_powers_of_ten(
 
 
 def test_observers_are_built_before_they_are_needed(short: Recording, monkeypatch: pytest.MonkeyPatch) -> None:
-    compile_observers(read_muscles(MUSCLES), "high_gain")
+    compile_observers(subject_of(MUSCLES), "high_gain")
     monkeypatch.setattr(filters, "load", lambda *arguments: pytest.fail("compiled"))
     estimate(short, MUSCLES, "high_gain")

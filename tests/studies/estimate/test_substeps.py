@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hillobs.model.block import Block, Parameter, Symbols, symbols
+from hillobs.model.system import PAIR
 from hillobs.observers import Observer
 from hillobs.studies.estimate.substeps import substeps
 from hillobs.studies.files.errors import ScenarioError
@@ -77,19 +78,19 @@ def linear(A: np.ndarray) -> Block:
 def test_an_observer_that_tells_no_rates_is_as_fast_as_its_largest_eigenvalue(rates: tuple[float, float]) -> None:
     turn = np.array([[3.0, 1.0], [-1.0, 2.0]])
     block = linear(turn @ np.diag(rates) @ np.linalg.inv(turn))
-    unregistered, T = Observer("mine", lambda: block), 0.1
+    unregistered, T = Observer("mine", whole=lambda: block), 0.1
     for factor in (1.0, 7.0):
-        n = substeps(unregistered, block, {"factor": factor}, {"y1": 2.6}, T)
+        n = substeps(unregistered, PAIR, block, {"factor": factor}, {"y1": 2.6}, T)
         assert n == max(1, math.ceil(factor * max(map(abs, rates)) * T / 2.5 - 1e-6))
     turning = linear(np.array([[0.0, 40.0], [-40.0, 0.0]]))
-    assert substeps(unregistered, turning, {"factor": 1.0}, {"y1": 2.6}, T) == 2
+    assert substeps(unregistered, PAIR, turning, {"factor": 1.0}, {"y1": 2.6}, T) == 2
 
 
 def test_the_slope_where_it_starts_counts() -> None:
     block = linear(-np.eye(1))
     curved = dataclasses.replace(block, dx=Symbols(x0=-(block.x.x0**3)))
     # ∂ẋ/∂x = −3x², x(0) = y₁
-    assert substeps(Observer("mine", lambda: curved), curved, {"factor": 1.0}, {"y1": 10.0}, 0.1) == 12
+    assert substeps(Observer("mine", whole=lambda: curved), PAIR, curved, {"factor": 1.0}, {"y1": 10.0}, 0.1) == 12
     wild = dataclasses.replace(block, dx=Symbols(x0=ca.sqrt(block.x.x0)))
     with pytest.raises(ScenarioError, match=r"linear are too fast .* nan steps"):
-        substeps(Observer("mine", lambda: wild), wild, {"factor": 1.0}, {"y1": -1.0}, 0.1)
+        substeps(Observer("mine", whole=lambda: wild), PAIR, wild, {"factor": 1.0}, {"y1": -1.0}, 0.1)

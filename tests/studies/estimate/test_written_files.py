@@ -15,10 +15,9 @@ from hillobs.studies.estimate.files import save_estimates
 from hillobs.studies.estimate.run import estimate
 from hillobs.studies.estimate.scores import scores
 from hillobs.studies.files.datasets.netcdf import load
-from hillobs.studies.files.tables import Series, write_csv
 from hillobs.studies.laboratory.recording import Recording, read_recording
 from places import DOCS, contents
-from shipped_recording import ALL_OBSERVERS, MUSCLES, SHIPPED
+from shipped_recording import ALL_OBSERVERS, MUSCLES, SHIPPED, write_measured
 
 pytestmark = pytest.mark.numerics
 ESTIMATED = ("position", "velocity", "disturbance", "tendon_length", "fibre_length", "fibre_velocity", "activation")
@@ -50,8 +49,8 @@ def test_what_is_written_is_read_back(noisy: xr.Dataset, command: Callable[..., 
             read_recording(folder / f"estimates-{name}.sto"),
         ):
             assert recording.time.tobytes() == noisy.time.values.tobytes()
-            assert recording.position.tobytes() == noisy.position_hat.sel(observer=name).values.tobytes()
-            assert recording.force_1.tobytes() == noisy.force.sel(muscle=1).values.tobytes()
+            assert recording["position"].tobytes() == noisy.position_hat.sel(observer=name).values.tobytes()
+            assert recording["force_1"].tobytes() == noisy.force.sel(muscle=1).values.tobytes()
             assert set(recording.true) == plain
             for quantity, values in recording.true.items():
                 of = noisy[f"{quantity.rstrip('_12')}_hat"].sel(observer=name)
@@ -74,8 +73,7 @@ def printed(table: str) -> list[list[str]]:
 def test_the_same_recording_gives_the_same_files(
     short: Recording, command: Callable[..., tuple[int, str, str]]
 ) -> None:
-    inputs = ("position", "force_1", "force_2")
-    write_csv(Path("short.csv"), [Series(n, "1", getattr(short, n)) for n in ("time", *inputs)])
+    write_measured(short, Path("short.csv"))
     for folder in "ab":
         arguments = ("short.csv", "--muscles", str(MUSCLES), "--observer", "sliding_mode", "--out", folder)
         code, out, _ = command("estimate", *arguments)

@@ -15,7 +15,7 @@ from hillobs.studies.files import tables as write_table
 from hillobs.studies.files.errors import ResultError
 from hillobs.studies.files.tables import Series, write_csv, write_sto
 from hillobs.studies.files.writing import write_pieces
-from hillobs.studies.laboratory.columns import COLUMNS, OPENSIM
+from hillobs.studies.laboratory.columns import COLUMNS
 from hillobs.studies.laboratory.recording import Recording, read_recording
 from hillobs.studies.laboratory.units import SI
 from places import DATA
@@ -30,20 +30,26 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def series(recording: Recording) -> list[Series]:
     """All columns of a recording, under our names."""
-    inputs = {name: getattr(recording, name) for name in ("time", "position", "force_1", "force_2")}
-    return [Series(name, SI[COLUMNS[name]].symbol, values) for name, values in {**inputs, **recording.true}.items()]
+    inputs = {"time": recording.time, **recording.measured}
+    return [
+        Series(name, SI[COLUMNS.known[name]].symbol, values) for name, values in {**inputs, **recording.true}.items()
+    ]
 
 
 @given(st.lists(st.tuples(*[st.floats(allow_infinity=False)] * 4), min_size=1, max_size=20))
 def test_every_finite_number_and_gap_reads_back_bit_for_bit(folder: Path, rows: list[tuple[float, ...]]) -> None:
     table = np.column_stack([np.arange(len(rows)) / 3, np.array(rows)])
-    columns = [Series(name, SI[COLUMNS[name]].symbol, values) for name, values in zip(NAMES, table.T, strict=True)]
+    columns = [
+        Series(name, SI[COLUMNS.known[name]].symbol, values) for name, values in zip(NAMES, table.T, strict=True)
+    ]
     write_csv(folder / "x.csv", columns)
     write_sto(folder / "x.sto", "title", columns)
     for name in ("x.csv", "x.sto"):
         back = read_recording(folder / name)
         for wrote in columns:
-            values = back.true[wrote.name] if wrote.name in back.true else getattr(back, wrote.name)
+            values = (
+                back.true[wrote.name] if wrote.name in back.true else {"time": back.time, **back.measured}[wrote.name]
+            )
             assert np.array_equal(
                 values.view(np.int64)[~np.isnan(values)], wrote.values[~np.isnan(values)].view(np.int64)
             )
@@ -54,7 +60,7 @@ def test_every_finite_number_and_gap_reads_back_bit_for_bit(folder: Path, rows: 
 def test_public_recordings_go_round_in_both_formats(name: str, tmp_path: Path) -> None:
     found = series(read_recording(DATA / name))
     write_csv(tmp_path / "x.csv", found)
-    write_sto(tmp_path / "x.sto", "x", [Series(OPENSIM[one.name], one.unit, one.values) for one in found])
+    write_sto(tmp_path / "x.sto", "x", [Series(COLUMNS.opensim[one.name], one.unit, one.values) for one in found])
     for back in (tmp_path / "x.csv", tmp_path / "x.sto"):
         again = series(read_recording(back))
         assert [(one.name, one.unit, one.values.tobytes()) for one in again] == [

@@ -44,8 +44,8 @@ def slack() -> tuple[Recording, Array]:
     y, x = run.y.values, {str(name): run.x.sel(state=name).values for name in run.state.values}
     true = {"velocity": s.velocity(x["x2"]), "tendon_length_1": s.metres(x["x3"]), "tendon_length_2": s.metres(x["x4"])}
     true |= {f"fibre_velocity_{j}": s.fibre_velocity(run.u.sel(muscle=j).values) for j in (1, 2)}
-    measured = (run.time.values / s.rate, s.metres(y[:, 0]), FORCE * y[:, 1], FORCE * y[:, 2])
-    recording = Recording("slack", *measured, true=true, rows=np.arange(1, len(y) + 1))
+    measured = {"position": s.metres(y[:, 0]), "force_1": FORCE * y[:, 1], "force_2": FORCE * y[:, 2]}
+    recording = Recording("slack", run.time.values / s.rate, measured, true, np.arange(1, len(y) + 1))
     return recording, np.stack([Phi_S(x["x3"]), Phi_S(x["x4"])], axis=1)
 
 

@@ -33,7 +33,7 @@ def test_a_mapping_names_columns_and_units(folder: Path) -> None:
     assert read_mapping([str(folder / "map.toml"), "force_2=Force (right)[N]"]) == mapping
     # a column mapped elsewhere is not also what its own name says
     swapped = reading(folder, TABLE, mapping={"force_1": "force_2", "force_2": "force_1"})
-    assert swapped.force_1.tolist() == [200, 201.5, -1e-3]
+    assert swapped["force_1"].tolist() == [200, 201.5, -1e-3]
 
 
 @pytest.mark.parametrize(

@@ -20,6 +20,7 @@ from hillobs.model.curves import CURVES, NGUYEN2019
 from hillobs.studies.files.errors import ScenarioError
 from hillobs.studies.laboratory.muscles import SCALED, SIZES, MusclePair, muscle_file, muscle_pair, read_muscles
 from hillobs.studies.laboratory.scales import scales
+from hillobs.studies.laboratory.subject import pair_subject
 from hillobs.studies.scenarios.loops import all_paths
 from places import DOCS, RECORDINGS
 
@@ -180,7 +181,8 @@ def test_the_way_back_inverts_and_keeps_newton(mass: float, length: float, force
         "tendon_slack_length": 2 * length,
     }
     content["muscle2"] = {}
-    s = scales(muscle_pair(content))
+    subject = pair_subject(muscle_pair(content))
+    s = subject.scales
     value = np.array([x])
     np.testing.assert_allclose(s.metres(s.lengths(value)), value, rtol=1e-14)
     # a fibre that lengthens has u < 0, and d(L_C)/dτ = −u
@@ -189,7 +191,8 @@ def test_the_way_back_inverts_and_keeps_newton(mass: float, length: float, force
     m, Delta = s.numbers["plant.m"], np.array([0.3])
     rise = s.forces(value) / m + Delta
     acceleration = s.velocity(rise) * rate
-    np.testing.assert_allclose(mass * acceleration, value + s.disturbance(Delta), rtol=1e-12, atol=1e-12 * force)
+    total = value + subject.disturbance(value, Delta)
+    np.testing.assert_allclose(mass * acceleration, total, rtol=1e-12, atol=1e-12 * force)
     np.testing.assert_allclose(s.tau(value), x * rate)
 
 

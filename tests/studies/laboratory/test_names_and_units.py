@@ -58,7 +58,7 @@ def test_conversion_inverts(name: str, value: float) -> None:
 def test_whole_millimetres_are_the_nearest_double(folder: Path) -> None:
     rows = "".join(f"{i},{i},2,3\n" for i in range(1, 1000))
     recording = reading(folder, f"time [ms],position [mm],force_1,force_2\n{rows}")
-    assert recording.position.tolist() == [float(f"{i}e-3") for i in range(1, 1000)]
+    assert recording["position"].tolist() == [float(f"{i}e-3") for i in range(1, 1000)]
 
 
 @pytest.mark.parametrize(

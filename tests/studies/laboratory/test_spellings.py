@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hillobs.studies.laboratory.columns import OPENSIM
+from hillobs.studies.laboratory.columns import COLUMNS
 from hillobs.studies.laboratory.recording import read_recording
 from written_recording import HEAD, ROWS, TABLE, numbers, reading
 
@@ -35,7 +35,7 @@ from written_recording import HEAD, ROWS, TABLE, numbers, reading
         (HEAD + "\n(s),[m],(N),[N]" + ROWS, "units-brackets.csv"),
         (TABLE.replace(HEAD, "Time [s],Position (m), FORCE_1 [N],force 2"), "labels.csv"),
         (TABLE.replace(HEAD, "time_s,position_m,force_1_N,force_2_N"), "suffixes.csv"),
-        (TABLE.replace(HEAD, ",".join(OPENSIM[key] for key in HEAD.split(","))), "opensim-names.csv"),
+        (TABLE.replace(HEAD, ",".join(COLUMNS.opensim[key] for key in HEAD.split(","))), "opensim-names.csv"),
         ("name\nversion=1\nnRows=3\nnColumns=4\ninDegrees=no\nendheader\n" + TABLE.replace(",", "\t"), "one.sto"),
         (
             "inDegrees=yes\nnum=3\nDataType=double\nversion=3\nOpenSimVersion=4.6\nendheader\n\n"

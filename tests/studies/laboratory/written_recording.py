@@ -30,5 +30,4 @@ def refusal(folder: Path, text: str | bytes, name: str = "file.csv", mapping: di
 
 
 def numbers(recording: Recording) -> np.ndarray:
-    inputs = (recording.time, recording.position, recording.force_1, recording.force_2)
-    return np.stack([*inputs, *recording.true.values()], axis=1)
+    return np.stack([recording.time, *recording.measured.values(), *recording.true.values()], axis=1)

@@ -9,7 +9,8 @@ from scipy.linalg import orth
 
 from hillobs.model.arrays import Array
 from hillobs.model.block import Block, Symbols, symbols
-from hillobs.model.pair import pair
+from hillobs.model.plant import plant as plant_of
+from hillobs.model.system import PAIR
 from hillobs.observers.observability import Verdict, augmented, judge, observability_matrix
 
 Point = Mapping[str, float]
@@ -32,7 +33,7 @@ REGIONS: dict[str, Point] = {
 @cache
 def block(unknown: str, derivatives: int = 0) -> Block:
     """The pair with its unknown inputs and their derivatives as states."""
-    return augmented(pair("given" if "a" in unknown else "virtual"), UNKNOWN[unknown], derivatives)
+    return augmented(plant_of(PAIR, "given" if "a" in unknown else "virtual"), UNKNOWN[unknown], derivatives)
 
 
 @cache

@@ -5,14 +5,15 @@ from collections.abc import Callable, Sequence
 import pytest
 
 from hillobs.model.block import Block, BlockError, Symbols, symbols
-from hillobs.model.pair import pair
+from hillobs.model.plant import plant as plant_of
+from hillobs.model.system import PAIR
 from hillobs.observers.observability import augmented, lie_derivatives, observability_matrix, structural_rank
 from observed_systems import SENSORS
 
 
 @pytest.mark.parametrize("act", [lie_derivatives, observability_matrix, structural_rank])
 def test_bad_outputs_and_orders_are_refused(act: Callable[[Block, Sequence[str], int], object]) -> None:
-    plant = pair()
+    plant = plant_of()
     with pytest.raises(BlockError, match=r"plant: no output F1, F2; there are x1, x2, .*Phi_S1.*taut2"):
         act(plant, ["x1", "F1", "F2"], 3)
     with pytest.raises(BlockError, match=r"without an output nothing can be observed; there are x1, x2, "):
@@ -23,7 +24,7 @@ def test_bad_outputs_and_orders_are_refused(act: Callable[[Block, Sequence[str],
 
 @pytest.mark.parametrize("drive", ["virtual", "given"])
 def test_bad_unknowns_are_refused(drive: str) -> None:
-    plant = pair(drive)
+    plant = plant_of(PAIR, drive)
     valid = ", ".join(plant.u)
     with pytest.raises(BlockError, match=f"plant: no input x3, a9; there are {valid}"):
         augmented(plant, ["Delta", "x3", "a9"])
@@ -35,7 +36,7 @@ def test_bad_unknowns_are_refused(drive: str) -> None:
 
 def test_a_sensor_list_that_is_one_word_is_refused() -> None:
     with pytest.raises(BlockError, match="no output x, 1"):
-        lie_derivatives(pair(), "x1", 1)
+        lie_derivatives(plant_of(), "x1", 1)
 
 
 def test_a_sampled_state_is_refused() -> None:

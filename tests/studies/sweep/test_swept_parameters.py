@@ -7,7 +7,7 @@ import pytest
 
 from hillobs.codegen.batch import compile_loop
 from hillobs.model.arrays import Array
-from hillobs.model.pair import DRIVES
+from hillobs.model.plant import DRIVES
 from hillobs.model.symbols import QUANTITIES
 from hillobs.observers import OBSERVERS as REGISTERED
 from hillobs.observers.score import MEASURES

@@ -29,7 +29,7 @@ def short() -> Recording:
 
 
 def findings(recording: Recording, **columns: Array) -> list[Finding]:
-    case, _ = recorded(dataclasses.replace(recording, **columns), read_muscles(MUSCLES))
+    case, _ = recorded(recording.remeasured(**columns), read_muscles(MUSCLES))
     return list(of_measurements(case))
 
 
@@ -52,7 +52,7 @@ def test_forces_that_stand_still_are_of_a_dead_sensor_and_not_in_kilonewtons(sho
     assert sentence.startswith("force_2 stands still")
     (sentence,) = doubted(short, position=0.31 + 1e-4 * noise)
     assert sentence.startswith("position stands still")
-    assert "in kN" in "".join(doubted(short, force_1=short.force_1 / 1e3))
+    assert "in kN" in "".join(doubted(short, force_1=short["force_1"] / 1e3))
 
 
 def test_forces_that_explain_nothing_make_no_ratio() -> None:
@@ -69,23 +69,23 @@ def test_a_sensor_that_hangs_is_named_with_its_time_and_one_that_is_at_rest_is_n
 
     n = np.arange(len(short))
     assert sensors(short) == []
-    frozen = np.where((n >= 100) & (n < 200), short.position[100], short.position)
-    (finding,) = sensors(dataclasses.replace(short, position=frozen))
+    frozen = np.where((n >= 100) & (n < 200), short["position"][100], short["position"])
+    (finding,) = sensors(short.remeasured(position=frozen))
     assert finding.doubtful
     assert finding.when == pytest.approx((0.5, 0.995))
     assert finding.sentence.startswith("position is the same number from 0.5 to 0.995 s")
     # at the end of its range
-    limit = np.quantile(short.force_1, 0.6)
-    (finding,) = sensors(dataclasses.replace(short, force_1=np.minimum(short.force_1, limit)))
+    limit = np.quantile(short["force_1"], 0.6)
+    (finding,) = sensors(short.remeasured(force_1=np.minimum(short["force_1"], limit)))
     assert finding.sentence.startswith("force_1")
     # a slack tendon, whose noise was cut off
-    slack = np.where(n < 200, 0.0, short.force_2)
-    assert sensors(dataclasses.replace(short, force_2=slack)) == []
+    slack = np.where(n < 200, 0.0, short["force_2"])
+    assert sensors(short.remeasured(force_2=slack)) == []
     # a mass at rest, as coarse digits or a simulation tell it, and every sample four times
     still = 0.31 + 0.01 * np.maximum(n - 200, 0) / 200
-    assert sensors(dataclasses.replace(short, position=np.round(still, 4))) == []
-    assert sensors(dataclasses.replace(short, position=still)) == []
-    assert sensors(dataclasses.replace(short, position=short.position[n // 4 * 4])) == []
+    assert sensors(short.remeasured(position=np.round(still, 4))) == []
+    assert sensors(short.remeasured(position=still)) == []
+    assert sensors(short.remeasured(position=short["position"][n // 4 * 4])) == []
 
 
 def white(n: int = 4000) -> tuple[Array, Array]:
@@ -163,7 +163,7 @@ def test_estimates_are_written_whatever_becomes_of_the_verdict(
     command: Callable[..., tuple[int, str, str]],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    columns = np.column_stack([short.time, short.position, short.force_1, short.force_2])
+    columns = np.column_stack([short.time, short["position"], short["force_1"], short["force_2"]])
     np.savetxt("run.csv", columns, delimiter=",", header="time,position,force_1,force_2", comments="")
 
     def fails(*arguments: object) -> None:

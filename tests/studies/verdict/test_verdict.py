@@ -44,7 +44,7 @@ def scaled(name: str, factor: float) -> Callable[[Recording, MusclePair], Given]
 
 def measured(**columns: Callable[[Recording], np.ndarray]) -> Callable[[Recording, MusclePair], Given]:
     def change(recording: Recording, pair: MusclePair) -> Given:
-        return dataclasses.replace(recording, **{name: of(recording) for name, of in columns.items()}), pair
+        return recording.remeasured(**{name: of(recording) for name, of in columns.items()}), pair
 
     return change
 
@@ -70,11 +70,11 @@ WRONG = {
     "heavy": (other_mass(10.0), "a mass 0.1 times as large"),
     "light": (other_mass(0.1), "a mass 10 times as large"),
     "curves": (other_curves, "likelier with the curves of degroote_fregly2016"),
-    "swapped": (measured(force_1=lambda r: r.force_2, force_2=lambda r: r.force_1), "the muscles swapped"),
-    "mirrored": (measured(position=lambda r: 0.62 - r.position), "measured from the other wall"),
-    "kilonewtons": (measured(force_1=lambda r: r.force_1 / 1e3, force_2=lambda r: r.force_2 / 1e3), "in kN"),
-    "millimetres": (measured(position=lambda r: r.position / 1e3), "in another unit, such as mm"),
-    "still": (measured(position=lambda r: 0 * r.position + 0.31), "stands still"),
+    "swapped": (measured(force_1=lambda r: r["force_2"], force_2=lambda r: r["force_1"]), "the muscles swapped"),
+    "mirrored": (measured(position=lambda r: 0.62 - r["position"]), "measured from the other wall"),
+    "kilonewtons": (measured(force_1=lambda r: r["force_1"] / 1e3, force_2=lambda r: r["force_2"] / 1e3), "in kN"),
+    "millimetres": (measured(position=lambda r: r["position"] / 1e3), "in another unit, such as mm"),
+    "still": (measured(position=lambda r: 0 * r["position"] + 0.31), "stands still"),
 }
 QUICK = ("l0-long", "swapped", "kilonewtons", "millimetres", "still")
 
@@ -159,8 +159,8 @@ def test_of_a_long_recording_the_middle_is_weighed_and_that_is_said(
 
 def test_muscles_are_not_weighed_by_what_a_sensor_that_hangs_tells(shipped: Given) -> None:
     recording, pair = shipped
-    frozen = np.where(recording.time < 1, recording.position[0], recording.position)
-    verdict = hillobs.verdict(dataclasses.replace(recording, position=frozen), pair)
+    frozen = np.where(recording.time < 1, recording["position"][0], recording["position"])
+    verdict = hillobs.verdict(recording.remeasured(position=frozen), pair)
     assert "position is the same number from 0 to 0.995 s" in doubts(verdict)
     assert {finding.subject for finding in verdict.findings}.isdisjoint({"muscles", "form", "untold"})
     assert verdict.weighed == 0
@@ -189,8 +189,8 @@ def test_what_is_tried_is_tried_up_and_down_and_of_both_muscles(shipped: Given) 
     assert {v.pair.muscle1.curves.name for v in tried if v.name == "curves"} == {"millard2012", "thelen2003"}
     assert all(v.pair.muscle1.numbers["tendon_strain"] == pair.muscle1.numbers["tendon_strain"] for v in tried)
     swapped, mirrored = (variant.recording for variant in tried[-2:])
-    assert swapped.force_1 is recording.force_2
-    np.testing.assert_allclose(mirrored.position + recording.position, pair.C)
+    assert swapped["force_1"] is recording["force_2"]
+    np.testing.assert_allclose(mirrored["position"] + recording["position"], pair.C)
 
 
 def test_a_command_ends_with_the_verdict_and_writes_it(command, shipped: Given, tmp_path: Path) -> None:
@@ -211,5 +211,5 @@ def test_a_command_ends_with_the_verdict_and_writes_it(command, shipped: Given, 
 
 
 def as_csv(recording: Recording) -> str:
-    columns = zip(recording.time, recording.position, recording.force_1, recording.force_2, strict=True)
+    columns = zip(recording.time, recording["position"], recording["force_1"], recording["force_2"], strict=True)
     return "\n".join(["time,position,force_1,force_2", *(",".join(map(repr, map(float, row))) for row in columns)])

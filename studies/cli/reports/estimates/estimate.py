@@ -12,23 +12,19 @@ from rich.table import Table
 from rich.text import Text
 
 from .....model.arrays import Array
-from .....model.skeleton import pull
+from .....model.skeleton.load import pull
 from .....observers import label
 from ....estimate.bands.doubt import stated
-from ....estimate.scores import BOTH, SETTLED, WITHIN_95, Score
+from ....estimate.scores import SETTLED, TOGETHER, WITHIN_95, Score
 from ....estimate.sizes.first_pass import FEW
 from ..conditions import violated_conditions
 from ..number import counted, number
 from .likelihood import decisions
 
 # a table in the units that muscles have
-_SHOWN = {
-    "velocity": ("velocity, mm/s", 1e3),
-    "disturbance": ("disturbance, N", 1.0),
-    "fibre_length": ("fibre length, mm", 1e3),
-    "fibre_velocity": ("fibre velocity, mm/s", 1e3),
-    "activation": ("activation", 1.0),
-}
+_SHOWN = ("velocity", "disturbance", "fibre_length", "fibre_velocity", "activation")
+# unit of a score → that of the table, and how many of these it is
+_UNITS = {"m": ("mm", 1e3), "m/s": ("mm/s", 1e3), "1": ("", 1.0)}
 # episodes named one by one
 _FEW = 3
 # a time from here on has no decimals
@@ -58,7 +54,7 @@ def notes(dataset: xr.Dataset) -> Iterator[str]:
     yield from json.loads(attributes["notes"])
     if dataset.bridged.any():
         yield f"gaps bridged by straight lines {_episodes(time, dataset.bridged.values > 0)}"
-    for j in (1, 2):
+    for j in dataset.muscle.values.tolist():
         if (slack := dataset.slack.sel(muscle=j).values > 0).any():
             yield f"tendon {j} carries no force {_episodes(time, slack)}: its length and activation mean nothing there"
     if _against(dataset):
@@ -69,12 +65,12 @@ def notes(dataset: xr.Dataset) -> Iterator[str]:
     gains, substeps, fits = (json.loads(attributes[name]) for name in ("gains", "substeps", "fits"))
     for name in dataset.observer.values.tolist():
         steps = f"{label(name)}: {counted(substeps[name], 'step')} from sample to sample"
-        numbers = [f"{path.partition('.')[2]} = {value:.3g}" for path, value in gains[name].items()]
+        numbers = _gains({path.partition(".")[2]: value for path, value in gains[name].items()})
         yield f"{steps}; {', '.join(numbers)}" if numbers else steps
         if name in fits:
             yield from (f"  {sentence}" for sentence in decisions(fits[name], json.loads(attributes["settings"])))
         of = dataset.sel(observer=name)
-        for j in (1, 2):
+        for j in dataset.muscle.values.tolist():
             for what, sentence in (
                 ("velocity_limited", f"fibre {j} seems faster than its activation can be computed for"),
                 ("activation_limited", f"activation {j} would be below 0 or above 1"),
@@ -83,6 +79,24 @@ def notes(dataset: xr.Dataset) -> Iterator[str]:
                     yield f"  {sentence} {_episodes(time, active)}"
     yield from _in_doubt(dataset)
     yield from violated_conditions(dataset)
+
+
+def _gains(numbers: dict[str, float]) -> list[str]:
+    """Each number, and of those that several joints or muscles have the least and the largest."""
+    by_name: dict[str, dict[str, float]] = {}
+    for path, value in numbers.items():
+        owner, _, name = path.rpartition(".")
+        by_name.setdefault(name, {})[owner] = value
+    told = []
+    for name, values in by_name.items():
+        least, most = min(values, key=values.__getitem__), max(values, key=values.__getitem__)
+        same = values[least] == values[most]
+        told.append(
+            f"{name} = {values[least]:.3g}"
+            if same
+            else f"{name} = {values[least]:.3g} ({least}) to {values[most]:.3g} ({most})"
+        )
+    return told
 
 
 def _in_doubt(dataset: xr.Dataset) -> Iterator[str]:
@@ -135,17 +149,24 @@ def score_table(scores: Sequence[Score]) -> Table:
 
 def score_cells(scores: Sequence[Score]) -> list[list[str]]:
     """The same as words: a row of headings, then a row for each observer, which it begins with."""
-    shown = [q for q in _SHOWN if any(score.quantity == q for score in scores)]
-    by_key = {(s.observer, s.quantity): s.rmse for s in scores if s.muscle in ("", BOTH)}
+    by_key = {(s.observer, s.quantity): s for s in scores if s.muscle in TOGETHER}
+    units = {s.quantity: _UNITS.get(s.unit, (s.unit, 1.0)) for s in by_key.values()}
+    shown = [q for q in _SHOWN if q in units]
     rows = [
-        [label(observer), *(number(by_key[observer, q] * _SHOWN[q][1]) for q in shown)]
+        [label(observer), *(number(by_key[observer, q].rmse * units[q][1]) for q in shown)]
         for observer in dict.fromkeys(score.observer for score in scores)
     ]
-    return [["", *(_SHOWN[q][0] for q in shown)], *rows]
+    head = [f"{q.replace('_', ' ')}{', ' if units[q][0] else ''}{units[q][0]}" for q in shown]
+    return [["", *head], *rows]
 
 
 def _against(dataset: xr.Dataset) -> bool:
-    """Whether the mass clearly accelerates against force_2 − force_1; noise may hide that, but not feign it."""
+    """Whether the mass of a pair clearly accelerates against force_2 − force_1.
+
+    Noise may hide that, but not feign it.
+    """
+    if "joint" in dataset.dims:
+        return False
     late = dataset.isel(observer=0).sel(time=slice(float(dataset.time[0]) + SETTLED, None))
     difference = pull(late.force.values.T)
     # mass · acceleration = R F + disturbance

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from .....observers import label
 from ....estimate.fit import Fitted
 from ....estimate.run import KALMAN
-from ....scenarios.show import toml_value
+from ....files.toml import toml_value
 from .likelihood import orders
 
 _OF_SCENARIO = "hillobs simulate THIS_FILE"

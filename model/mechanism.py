@@ -1,0 +1,100 @@
+"""Joints and muscles of a tree as a System: lengths along paths, accelerations by the equation of motion."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping
+
+import casadi as ca
+import numpy as np
+
+from .arrays import Array
+from .curves import CurveSet
+from .skeleton.newton_euler import equation_of_motion
+from .skeleton.paths import Path, moment_arms
+from .skeleton.tree import PIN, Tree
+from .system import Expressions, System
+
+# how far a joint goes that has no range, in rad or reference lengths
+_ANYWHERE = 3.0
+# places along the range of each joint at which muscles are measured
+_PLACES = 5
+
+
+def mechanism_system(
+    tree: Tree, paths: Mapping[str, Path], curves: Mapping[str, CurveSet], pennate: frozenset[str] = frozenset()
+) -> System:
+    """The joints of a tree and muscles along `paths`, in the units of these; pennate: muscles with oblique fibres."""
+    muscles = tuple(curves)
+    laws = _Laws(tree, [paths[muscle] for muscle in muscles])
+    reaches = {**_reaches(tree), **dict(zip(muscles, _longest(tree, laws), strict=True))}
+    return System(
+        joints=tree.coordinates,
+        muscles=muscles,
+        curves=curves,
+        parameters={},
+        lengths=lambda q, p: laws.lengths(q),
+        accelerations=lambda q, dq, F, p: laws.accelerations(q, dq, F),
+        reach=lambda of, p: reaches[of],
+        forces=lambda q, Delta, p: laws.forces(q, Delta),
+        pennate=pennate,
+    )
+
+
+class _Laws:
+    """Lengths, accelerations and forces as functions, since the equation of motion takes a while to write down."""
+
+    def __init__(self, tree: Tree, paths: list[Path]) -> None:
+        joints = tree.coordinates
+        q, dq, Delta = (ca.SX.sym(name, len(joints)) for name in ("q", "dq", "Delta"))
+        F = ca.SX.sym("F", len(paths))
+        at, speeds = (dict(zip(joints, ca.vertsplit(values), strict=True)) for values in (q, dq))
+        L = ca.vertcat(*(path.length(at) for path in paths))
+        motion = equation_of_motion(tree, at, speeds)
+        free = [joints.index(name) for name in tree.free]
+        M = motion.M[free, free]
+        # M q̈ = R F − h; what is prescribed moves as if it kept its velocity
+        acc, forces = ca.SX(len(joints), 1), ca.SX(len(joints), 1)
+        if free:
+            acc[free] = _solved(M, (moment_arms(L, q) @ F - motion.h)[free])
+            forces[free] = M @ Delta[free]
+        self._lengths = ca.Function("lengths", [q], [L])
+        self._accelerations = ca.Function("accelerations", [q, dq, F], [acc])
+        self._forces = ca.Function("forces", [q, Delta], [forces])
+
+    def lengths(self, q: Expressions) -> list[ca.SX]:
+        return ca.vertsplit(self._lengths(ca.vertcat(*q)))
+
+    def accelerations(self, q: Expressions, dq: Expressions, F: Expressions) -> list[ca.SX]:
+        return ca.vertsplit(self._accelerations(*(ca.vertcat(*values) for values in (q, dq, F))))
+
+    def forces(self, q: Expressions, Delta: Expressions) -> list[ca.SX]:
+        return ca.vertsplit(self._forces(ca.vertcat(*q), ca.vertcat(*Delta)))
+
+    def measure(self, places: Array) -> Array:
+        return np.array(self._lengths(places.T), dtype=float)
+
+
+def _solved(M: ca.SX, rhs: ca.SX) -> ca.SX:
+    """M⁻¹ rhs, M symmetric and positive."""
+    return rhs / M if M.is_scalar() else ca.ldl_solve(rhs, *ca.ldl(ca.densify(M)))
+
+
+def _ranges(tree: Tree) -> list[tuple[float, float]]:
+    return [tree.joints[name].range or (-_ANYWHERE, _ANYWHERE) for name in tree.coordinates]
+
+
+def _reaches(tree: Tree) -> dict[str, float]:
+    """How far each joint can be from 0; a pin without a range may turn."""
+    largest = (max(map(abs, limits)) for limits in _ranges(tree))
+    return {
+        name: max(most, _ANYWHERE) if tree.joints[name].kind == PIN else most
+        for name, most in zip(tree.coordinates, largest, strict=True)
+    }
+
+
+def _longest(tree: Tree, laws: _Laws) -> list[float]:
+    """The length of each muscle where it is longest within the ranges of the joints."""
+    along = [np.linspace(*limits, _PLACES) for limits in _ranges(tree)]
+    lengths = np.abs(laws.measure(np.array(list(itertools.product(*along)))))
+    return [float(length) for length in lengths.max(axis=1)]

@@ -1,0 +1,76 @@
+"""What a system says of numbers: lengths, accelerations and forces of many samples at once."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import casadi as ca
+import numpy as np
+
+from ...model.arrays import Array
+from ...model.block import Symbols
+from ...model.skeleton.paths import moment_arms
+from ...model.system import System
+
+# samples at which the noise of accelerations is told
+_FEW = 100
+
+
+class Laws:
+    """Of a system with these numbers, by the names that it has for them; all dimensionless."""
+
+    def __init__(self, system: System, numbers: Mapping[str, float]) -> None:
+        self.system = system
+        p = Symbols({name: ca.SX(numbers[name]) for name in system.parameters})
+        q, dq, Delta = ([ca.SX.sym(f"{kind}_{of}") for of in system.joints] for kind in ("q", "dq", "Delta"))
+        F = [ca.SX.sym(f"F_{of}") for of in system.muscles]
+        columns = [ca.vertcat(*values) for values in (q, dq, F, Delta)]
+        acc = ca.vertcat(*system.accelerations(q, dq, F, p))
+        self._lengths = ca.Function("lengths", columns[:1], [ca.vertcat(*system.lengths(q, p))])
+        self._accelerations = ca.Function("accelerations", columns[:3], [acc])
+        arms = moment_arms(ca.vertcat(*system.lengths(q, p)), columns[0])
+        self._rates = ca.Function("rates", columns[:2], [-arms.T @ columns[1]])
+        self._arms = ca.Function("arms", columns[:1], [ca.vec(ca.densify(arms))])
+        self._gain = ca.Function("gain", columns[:3], [ca.densify(ca.jacobian(acc, columns[2]))])
+        forces = ca.vertcat(*system.forces(q, Delta, p))
+        self._forces = ca.Function("forces", [columns[0], columns[3]], [forces])
+
+    def lengths(self, q: Array) -> Array:
+        """L_m (… × muscles) at coordinates (… × joints)."""
+        return _mapped(self._lengths, [q])
+
+    def rates(self, q: Array, dq: Array) -> Array:
+        """L̇_m (… × muscles) at coordinates and velocities (… × joints)."""
+        return _mapped(self._rates, [q, dq])
+
+    def moment_arms(self, q: Array) -> Array:
+        """R (… × muscles × joints): what each tendon's force does to each joint."""
+        return _mapped(self._arms, [q]).reshape(*q.shape[:-1], len(self.system.muscles), len(self.system.joints))
+
+    def forces(self, q: Array, Delta: Array) -> Array:
+        """Of each joint (… × joints), that make these accelerations."""
+        return _mapped(self._forces, [q, Delta])
+
+    def accelerations(self, q: Array, dq: Array, F: Array) -> Array:
+        """What tendon forces (… × muscles) make of the joints (… × joints)."""
+        return _mapped(self._accelerations, [q, dq, F])
+
+    def acceleration_noise(self, q: Array, F: Array, sigmas: Sequence[float]) -> Array:
+        """Variance of each joint's acceleration from noise of the forces, in the mean over samples (n × …).
+
+        That of the pair is left out: its sensors' forces are precise beside its mass.
+        """
+        if self.system.paper:
+            return np.zeros(len(self.system.joints))
+        few = slice(None, None, max(1, len(q) // _FEW))
+        gains = np.array([self._gain(at, 0 * at, forces) for at, forces in zip(q[few], F[few], strict=True)])
+        # (∂α/∂F)² σ_F²
+        return np.asarray((gains**2 @ np.array(sigmas) ** 2).mean(axis=0))
+
+
+def _mapped(function: ca.Function, columns: Sequence[Array]) -> Array:
+    """A function of columns, for the last axis of arrays."""
+    shape = columns[0].shape
+    flat = [np.ascontiguousarray(values.reshape(-1, values.shape[-1]).T) for values in columns]
+    results = np.array(function(*flat), dtype=float).T
+    return results.reshape(*shape[:-1], results.shape[-1])

@@ -1,0 +1,1 @@
+"""Mechanisms in SI: described in Python or TOML, or taken from an OpenSim model."""

@@ -1,0 +1,48 @@
+"""A mechanism in SI: a tree of links and joints, and muscles along paths over the joints."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from ....model.skeleton.paths import Path
+from ....model.skeleton.tree import Tree
+from ...files.errors import ScenarioError
+from ...files.quote import shown
+from ..muscles import Muscle
+
+# signals are named after joints and muscles, and so is what is compiled: as a Block's name, but shorter
+_NAME = re.compile(r"(?=.{1,30}$)[A-Za-z][A-Za-z0-9]*(_[A-Za-z0-9]+)*")
+
+
+@dataclass(frozen=True)
+class Mechanism:
+    """kg, m, rad, N; `paths` are the muscles' lengths in m over the coordinates of the tree's joints, by muscle.
+
+    ScenarioError if a path is missing, or crosses a joint that has no coordinate, or for a name that is none.
+    """
+
+    tree: Tree
+    muscles: Mapping[str, Muscle]
+    paths: Mapping[str, Path]
+    description: str = ""
+
+    def __post_init__(self) -> None:
+        if not self.muscles:
+            raise ScenarioError("a mechanism needs a muscle or more")
+        for name in (*self.tree.coordinates, *self.muscles):
+            if not _NAME.fullmatch(name):
+                raise ScenarioError(
+                    f"{shown(name)} is no name for a joint or a muscle: letters, digits, single _ between, at most 30"
+                )
+        if both := [name for name in self.muscles if name in self.tree.coordinates]:
+            raise ScenarioError(f"a muscle and a joint are both called {both[0]}")
+        if missing := [name for name in self.muscles if name not in self.paths]:
+            raise ScenarioError(f"muscle {missing[0]} has no path")
+        for name, path in self.paths.items():
+            if unknown := [joint for joint in path.joints if joint not in self.tree.coordinates]:
+                known = ", ".join(self.tree.coordinates) or "none"
+                raise ScenarioError(
+                    f"muscles.{name}.path crosses {unknown[0]}, which is no moving joint; there are {known}"
+                )
