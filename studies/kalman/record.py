@@ -17,7 +17,7 @@ from ..files.errors import RecordingError
 from .passes import table
 
 # in τ, from its start on, a filter settles: what it innovates there tells nothing of densities
-_SETTLED = 1.5
+SETTLED = 1.5
 # statistics of fewer samples are none
 _FEW = 50
 # of a long recording: number of blocks that densities are fitted to, and samples of each
@@ -28,7 +28,8 @@ _BLOCKS, _BLOCK = 10, 10_000
 class Record:
     """Times τ (n), measurements y (n × 3), tendon lengths z and slopes (n × 2), where something was seen (n).
 
-    numbers: values of the estimator's parameters by name; T: sampling period in τ; sizes: what the first pass found.
+    numbers: values of the estimator's parameters by name; T: sampling period in τ; sizes: what the first pass found;
+    settling: τ in which the filter settles.
     """
 
     tau: Array
@@ -40,6 +41,7 @@ class Record:
     sizes: Sizes
     T: float
     curves: Curves
+    settling: float = SETTLED
 
     def __len__(self) -> int:
         return len(self.tau)
@@ -75,9 +77,9 @@ def segments(length: int) -> Iterator[slice]:
         yield slice(int(start), int(start) + _BLOCK)
 
 
-def settled(rows: Array) -> Array:
+def settled(rows: Array, settling: float = SETTLED) -> Array:
     """The rows of a segment, of which those at its start do not count, unless hardly any would be left."""
-    late = rows[:, 0] >= rows[0, 0] + _SETTLED
+    late = rows[:, 0] >= rows[0, 0] + settling
     if rows[late, -1].sum() < _FEW:
         return rows
     rows = rows.copy()

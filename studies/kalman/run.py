@@ -74,14 +74,14 @@ def passed(record: Record, how: How, by_hand: Mapping[str, float], keep_every: i
 
 def causal_inputs(record: Record, by_hand: Mapping[str, float]) -> Choice:
     """The model of the first pass by all samples of a recording; by_hand: orders that are known."""
-    return chosen_inputs(record, [settled(record.table())], by_hand)
+    return chosen_inputs(record, [settled(record.table(), record.settling)], by_hand)
 
 
 def causal_choices(record: Record, by_hand: Mapping[str, float]) -> tuple[Choice, Choice]:
     """Both models for causal estimates, by all samples of a recording; by_hand: orders that are known."""
     inputs = causal_inputs(record, by_hand)
     of_second = {name: value for name, value in by_hand.items() if name == "order_a"}
-    return inputs, _second(record, [settled(record.table())], inputs, How(), of_second)
+    return inputs, _second(record, [settled(record.table(), record.settling)], inputs, How(), of_second)
 
 
 def estimated(

@@ -11,10 +11,14 @@ _WHOLE = 10.0
 
 @dataclass(frozen=True)
 class Suspect:
-    """A number of the muscles that may be wrong: `factor` times it, if it is one, is likelier by so much in log L."""
+    """What of the muscles may be wrong: a number, which is likelier times `factor`, or another thing, whose is None.
+
+    instead: what is likelier, in words; log_likelihood: by how much.
+    """
 
     number: str
     factor: float | None
+    instead: str
     log_likelihood: float
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -39,15 +39,19 @@ def weight(record: Record, choices: tuple[Choice, Choice], pair: MusclePair) -> 
 
 
 def gains(
-    base: Weight, orders: Mapping[str, float], tried: Iterable[Variant]
+    base: Weight, orders: Mapping[str, float], tried: Iterable[Variant], settling: float
 ) -> Iterator[tuple[Variant, float | None]]:
-    """Each variant and how much likelier the recording is with it; None where it can be nothing at all."""
+    """Each variant and how much likelier the recording is with it; None where it can be nothing at all.
+
+    settling: s in which the filter settles: with another v_max τ is another time, and other samples would count.
+    """
     for variant in tried:
         try:
-            _, record = recorded(variant.recording, variant.pair)
+            case, record = recorded(variant.recording, variant.pair)
         except (RecordingError, ScenarioError):
             yield variant, None
             continue
+        record = replace(record, settling=settling * case.scales.rate)
         if variant.mechanical:
             # the muscles' law has no part in it
             found = causal_inputs(record, orders).fit.log_likelihood + _in_si(record, variant.pair)
@@ -58,7 +62,7 @@ def gains(
 
 def _in_si(record: Record, pair: MusclePair) -> float:
     """What makes log L of lengths one of newtons and metres."""
-    counted = settled(record.table())[:, -1] > 0
+    counted = settled(record.table(), record.settling)[:, -1] > 0
     s = scales(pair)
     # p(F₁, F₂, position) = p(z₁, z₂, y₁)/(Φ′_S(z₁) Φ′_S(z₂) F₀² l₀)
     per_sample = 2 * np.log(s.force) + np.log(s.length)

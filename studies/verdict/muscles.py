@@ -23,11 +23,13 @@ from .variants import Variant, called, variants
 
 # log L that a variant must gain, and that of each sample: what the model leaves out is no doubt of the muscle
 _GAIN, _EACH = 30.0, 0.02
+# an order of u below this is that of activations that jump: then F_max, lengths and curves other than the right ones
+# are likelier as often as not, v_max is not, by so many times what is usual
+_SMOOTH, _WHERE_ROUGH, _ROUGH = 3, "v_max", 1.5
 # others than the best are named up to here
 _NAMED = 3
 # a constant error of the forces, in F_max, whose effect is told
 _BIAS = 0.01
-_CURVES = "curves of another kind"
 _ORDERS = ("order_D", "order_u", "order_a")
 
 
@@ -39,49 +41,64 @@ def of_muscles(read: Recording, pair: MusclePair, fit: Mapping[str, Any], progre
     """
     case, record = recorded(read, pair)
     inputs, activations = choices = causal_choices(record, _orders(fit))
-    yield _form(inputs, activations)
+    rough = inputs.orders[1] < _SMOOTH
+    yield _form(inputs, activations, rough)
     yield from bias(case, record, inputs)
     base, tried = weight(record, choices, pair), list(variants(read, pair))
     orders = {**inputs.fit.numbers, **activations.fit.numbers}
     weighed = []
-    for i, found in enumerate(gains(base, {name: orders[name] for name in _ORDERS}, tried), start=1):
+    settling = record.settling / case.scales.rate
+    for i, found in enumerate(gains(base, {name: orders[name] for name in _ORDERS}, tried, settling), start=1):
         weighed.append(found)
         progress(i / len(tried))
-    yield from _doubts(base, weighed, max(_GAIN, _EACH * len(read)))
+    yield from _doubts(base, weighed, max(_GAIN, _EACH * len(read)), rough)
 
 
-def _doubts(base: Weight, weighed: Sequence[tuple[Variant, float | None]], needed: float) -> Iterator[Finding]:
+def _doubts(
+    base: Weight, weighed: Sequence[tuple[Variant, float | None]], needed: float, rough: bool
+) -> Iterator[Finding]:
     """What would make the recording likelier, best first, or that nothing does, or that nothing can be told."""
-    telling = [(variant, gain) for variant, gain in weighed if gain is not None and (variant.mechanical or base.says)]
-    better = sorted(((v, g) for v, g in telling if g > needed * v.caution), key=lambda pair: -round(pair[1]))
+    telling = [(variant, gain) for variant, gain in weighed if gain is not None and _tells(variant, base, rough)]
+    least = {v: needed * v.caution * (_ROUGH if rough and not v.mechanical else 1.0) for v, _ in telling}
+    better = sorted(((v, g) for v, g in telling if g > least[v]), key=lambda pair: -round(pair[1]))
     if better:
         named = "; or ".join(f"{variant.sentence} (log L {gain:+,.0f})" for variant, gain in better[:_NAMED])
         likeliest, most = better[0]
-        if not likeliest.mechanical:
-            # a muscle so far from the file's is less to be expected than curves that are others
-            named = f"{_CURVES}, or with {named}" if likeliest.caution > 1 else f"{named}, or with {_CURVES}"
-        suspects = [Suspect(variant.name, variant.factor, gain) for variant, gain in better]
+        if not (likeliest.mechanical or any(variant.name == "curves" for variant, _ in better)):
+            named += ", or with curves of another kind"
+        suspects = [Suspect(variant.name, variant.factor, variant.sentence, gain) for variant, gain in better]
         yield Finding("muscles", f"the recording is likelier with {named}", most, True, suspects=suspects)
     else:
         best = max((gain for _, gain in telling), default=0.0)
         yield Finding("muscles", f"no other number tried makes the recording likelier by {needed:.0f} in log L", best)
-    unknown = [name for name in dict.fromkeys(v.name for v, _ in weighed) if _is_unknown(name, base, weighed, needed)]
+    unknown = [
+        name for name in dict.fromkeys(v.name for v, _ in weighed) if _is_unknown(name, base, weighed, needed, rough)
+    ]
     if unknown:
         names = ", ".join(map(called, unknown))
         yield Finding("untold", f"the recording cannot tell: {names}", float(len(unknown)))
 
 
-def _is_unknown(name: str, base: Weight, weighed: Sequence[tuple[Variant, float | None]], needed: float) -> bool:
+def _is_unknown(
+    name: str, base: Weight, weighed: Sequence[tuple[Variant, float | None]], needed: float, rough: bool
+) -> bool:
     """Whether other values of a number are as likely."""
     of = [(variant, gain) for variant, gain in weighed if variant.name == name]
-    if not (base.says or of[0][0].mechanical):
-        return True
-    return all(gain is not None and abs(gain) <= needed for _, gain in of)
+    return not _tells(of[0][0], base, rough) or all(gain is not None and abs(gain) <= needed for _, gain in of)
 
 
-def _form(inputs: Choice, activations: Choice) -> Finding:
+def _tells(variant: Variant, base: Weight, rough: bool) -> bool:
+    """Whether the likelihood tells of a variant: by the muscles' law, if activations are as smooth as it takes them."""
+    return variant.mechanical or (base.says and (not rough or variant.name == _WHERE_ROUGH))
+
+
+def _form(inputs: Choice, activations: Choice, rough: bool) -> Finding:
     gain = activations.fit.log_likelihood - inputs.fit.log_likelihood
-    words = "fits, so its numbers can be weighed" if gain > 0 else "is no help: its numbers cannot be weighed"
+    words = "is no help: its numbers cannot be weighed"
+    if gain > 0:
+        words = "fits, so its numbers can be weighed"
+        if rough:
+            words = f"fits, but activations jump: of its numbers {_WHERE_ROUGH} alone can be weighed"
     return Finding("form", f"the muscles' law with smooth activations {words} (log L {gain:+,.0f})", gain)
 
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-from ..laboratory.muscles import Muscle, MusclePair
+from ...model.curves import DEGROOTE_FREGLY2016, MILLARD2012, THELEN2003, CurveSet
+from ..laboratory.muscles import Muscle, MusclePair, numbers_of
 from ..laboratory.recording import Recording
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Variant:
     """`sentence` ends "the recording is likelier with …"; mechanical: muscles and their curves have no part in it."""
 
@@ -30,7 +31,14 @@ _FACTORS = {
     "v_max": ((0.2, 0.5, 2.0, 5.0), "v_max"),
 }
 _MASSES = (0.1, 0.5, 2.0, 10.0)
-_OTHERS = {"mass": "mass", "swapped": "which muscle is which", "mirrored": "from which wall position is measured"}
+# those with sizes of their own
+_KINDS = (DEGROOTE_FREGLY2016, MILLARD2012, THELEN2003)
+_OTHERS = {
+    "curves": "curves",
+    "mass": "mass",
+    "swapped": "which muscle is which",
+    "mirrored": "from which wall position is measured",
+}
 # from here on a factor is no percentage; a muscle so far from the file's must gain more to be named
 _TIMES, _CAUTION = 1.5, 2.0
 
@@ -42,6 +50,11 @@ def variants(recording: Recording, pair: MusclePair) -> Iterator[Variant]:
             first, second = (_scaled(muscle, name, factor) for muscle in (pair.muscle1, pair.muscle2))
             other, caution = replace(pair, muscle1=first, muscle2=second), 1.0 if _is_close(factor) else _CAUTION
             yield Variant(name, f"{called} {_by(factor)}", recording, other, False, caution, factor)
+    for curves in _KINDS:
+        if {pair.muscle1.curves.name, pair.muscle2.curves.name} != {curves.name}:
+            first, second = (_with_curves(muscle, curves) for muscle in (pair.muscle1, pair.muscle2))
+            other = replace(pair, muscle1=first, muscle2=second)
+            yield Variant("curves", f"the curves of {curves.name}", recording, other)
     for factor in _MASSES:
         heavier = replace(pair, mass=pair.mass * factor)
         yield Variant("mass", f"a mass {_by(factor)}", recording, heavier, mechanical=True, factor=factor)
@@ -61,6 +74,12 @@ def called(name: str) -> str:
 
 def _scaled(muscle: Muscle, name: str, factor: float) -> Muscle:
     return replace(muscle, **{name: getattr(muscle, name) * factor})
+
+
+def _with_curves(muscle: Muscle, curves: CurveSet) -> Muscle:
+    """The same muscle with other curves: what both sets know keeps its number, all else has the default."""
+    numbers = {name: muscle.numbers.get(name, parameter.default) for name, parameter in numbers_of(curves).items()}
+    return replace(muscle, curves=curves, numbers=numbers, sds={})
 
 
 def _by(factor: float) -> str:

@@ -10,14 +10,19 @@ import pytest
 
 import hillobs
 from hillobs.studies.cli.reports.estimates.verdict import sentences
-from hillobs.studies.estimate.run import estimate
+from hillobs.studies.estimate.run import estimate, recorded
 from hillobs.studies.files.progress import unseen
+from hillobs.studies.kalman.orders import Choice
+from hillobs.studies.kalman.record import Record, settled
+from hillobs.studies.kalman.run import causal_choices
 from hillobs.studies.laboratory.muscles import MusclePair, read_muscles
 from hillobs.studies.laboratory.recording import Recording, read_recording
-from hillobs.studies.verdict import run
+from hillobs.studies.verdict import likelihood, run
 from hillobs.studies.verdict.finding import Finding
+from hillobs.studies.verdict.likelihood import gains, weight
 from hillobs.studies.verdict.run import Verdict, judged
 from hillobs.studies.verdict.variants import variants
+from random_recordings import drawn
 from shipped_recording import MUSCLES, SHIPPED, part
 
 Given = tuple[Recording, MusclePair]
@@ -64,7 +69,7 @@ WRONG = {
     "slack-length": (scaled("tendon_slack_length", 1.02), "tendon slack lengths 2% smaller"),
     "heavy": (other_mass(10.0), "a mass 0.1 times as large"),
     "light": (other_mass(0.1), "a mass 10 times as large"),
-    "curves": (other_curves, "curves of another kind"),
+    "curves": (other_curves, "likelier with the curves of degroote_fregly2016"),
     "swapped": (measured(force_1=lambda r: r["force_2"], force_2=lambda r: r["force_1"]), "the muscles swapped"),
     "mirrored": (measured(position=lambda r: 0.62 - r["position"]), "measured from the other wall"),
     "kilonewtons": (measured(force_1=lambda r: r["force_1"] / 1e3, force_2=lambda r: r["force_2"] / 1e3), "in kN"),
@@ -102,6 +107,35 @@ def test_what_is_wrong_is_named(name: str, shipped: Given, tmp_path: Path, monke
         (suspects,) = (found["suspects"] for found in answer["findings"] if found["subject"] == "muscles")
         assert (suspects[0]["number"], suspects[0]["factor"]) == ("optimal_fibre_length", 0.95)
         assert suspects[0]["log_likelihood"] == verdict.findings[-1].value
+
+
+def test_the_same_samples_are_weighed_whatever_v_max_is(shipped: Given, monkeypatch: pytest.MonkeyPatch) -> None:
+    """τ is another time with another v_max: a likelihood of other samples would be another one."""
+    recording, pair = shipped
+    case, record = recorded(recording, pair)
+    choices = causal_choices(record, {"order_D": 2, "order_u": 3, "order_a": 3})
+    counted = []
+
+    def choose(other: Record, orders: object) -> tuple[Choice, Choice]:
+        counted.append(settled(other.table(), other.settling)[:, -1].sum())
+        return choices
+
+    monkeypatch.setattr(likelihood, "causal_choices", choose)
+    tried = [variant for variant in variants(recording, pair) if variant.name == "v_max"]
+    found = list(gains(weight(record, choices, pair), {}, tried, record.settling / case.scales.rate))
+    assert counted == [settled(record.table())[:, -1].sum()] * len(tried)
+    # with the same densities nothing is gained but by the tendons, which know no v_max: only their lines differ
+    assert max(abs(gain) for _, gain in found) < 5
+
+
+@pytest.mark.parametrize("seed", [2003, pytest.param(2005, marks=pytest.mark.chaos)])
+def test_right_muscles_whose_activations_jump_or_are_slow_are_not_doubted(seed: int) -> None:
+    one = drawn(seed)
+    verdict = hillobs.verdict(one.recording, one.pair)
+    assert doubts(verdict) == ""
+    told = [finding.sentence for finding in verdict.findings if finding.subject == "untold"]
+    abrupt = "the recording cannot tell: optimal fibre lengths, tendon slack lengths, F_max, curves"
+    assert told == ([abrupt] if one.kind == "abrupt" else [])
 
 
 def test_of_a_long_recording_the_middle_is_weighed_and_that_is_said(
@@ -145,13 +179,15 @@ def test_what_is_tried_is_tried_up_and_down_and_of_both_muscles(shipped: Given) 
     recording, pair = shipped
     tried = list(variants(recording, pair))
     assert {variant.name for variant in tried} == {
-        "optimal_fibre_length", "tendon_slack_length", "F_max", "v_max", "mass", "swapped", "mirrored",
+        "optimal_fibre_length", "tendon_slack_length", "F_max", "v_max", "curves", "mass", "swapped", "mirrored",
     }  # fmt: skip
     for name in ("optimal_fibre_length", "tendon_slack_length", "F_max", "v_max"):
         usual = getattr(pair.muscle1, name)
         ratios = [getattr(v.pair.muscle1, name) / usual for v in tried if v.name == name]
         assert ratios == [getattr(v.pair.muscle2, name) / usual for v in tried if v.name == name]
         assert min(ratios) < 1 < max(ratios)
+    assert {v.pair.muscle1.curves.name for v in tried if v.name == "curves"} == {"millard2012", "thelen2003"}
+    assert all(v.pair.muscle1.numbers["tendon_strain"] == pair.muscle1.numbers["tendon_strain"] for v in tried)
     swapped, mirrored = (variant.recording for variant in tried[-2:])
     assert swapped["force_1"] is recording["force_2"]
     np.testing.assert_allclose(mirrored["position"] + recording["position"], pair.C)
