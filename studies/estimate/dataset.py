@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -43,6 +43,8 @@ _UNITS: Mapping[str, tuple[str, str]] = {
     "acceleration": ("m/s2", "rad/s2"),
     "disturbance": ("N", "N m"),
 }
+# noise about the end of a joint's range, as a part of it
+_AT_THE_END = 0.01
 Variable = tuple[tuple[str, ...], np.ndarray[Any, Any], dict[str, str]]
 
 
@@ -167,6 +169,22 @@ def _about(unit: str, sentence: str) -> dict[str, str]:
     return {"long_name": sentence, "units": unit}
 
 
+def _beyond_ranges(case: Case) -> Iterator[str]:
+    """Joints that leave the range in which the paths hold; noise about its ends is no leaving."""
+    for column, bound in case.subject.positions.items():
+        if bound.range is None:
+            continue
+        least, most = bound.range
+        position = case.recording[column]
+        farthest = np.maximum(least - position, position - most)
+        outside = int(np.sum(farthest > _AT_THE_END * (most - least)))
+        if outside:
+            yield (
+                f"{column} is beyond {least:g} to {most:g} {bound.unit} in {outside:,} of {len(position):,} rows, "
+                f"by at most {np.nanmax(farthest):.3g}: the paths of the muscles go on there as polynomials, unchecked"
+            )
+
+
 def _manifest(case: Case, results: Mapping[str, Result], library: str) -> dict[str, str]:
     """How the estimates were made; everything as text, for NetCDF."""
     recording = case.recording
@@ -177,7 +195,7 @@ def _manifest(case: Case, results: Mapping[str, Result], library: str) -> dict[s
         "Conventions": "CF-1.11",
         "title": f"hillobs: estimates from {recording.source}",
         "source": recording.source,
-        "notes": json.dumps([*recording.notes(), *tables]),
+        "notes": json.dumps([*recording.notes(), *_beyond_ranges(case), *tables]),
         "settings": json.dumps({"mapping": dict(recording.mapping), **dataclasses.asdict(case.settings)}),
         "numbers": json.dumps(dict(case.scales.numbers)),
         "curves": json.dumps([curve_set.name for curve_set in curves]),

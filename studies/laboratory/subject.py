@@ -59,14 +59,17 @@ _BEYOND = 1.0
 
 @dataclass(frozen=True)
 class Bound:
-    """What a measured position may be, in its unit, and what to say of what is below or above."""
+    """What a measured position may be, in its unit, and what to say of what is below or above.
+
+    range: where the paths of the muscles hold.
+    """
 
     unit: str
     least: float
     most: float
     below: str
     above: str
-    middle: float = 0.0
+    range: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -233,4 +236,4 @@ def _bound(mechanism: Mechanism, name: str) -> Bound:
     least, most = joint.range
     beyond = _BEYOND * (most - least)
     why = f"{name} goes from {least:g} to {most:g} {unit}; is it in {'degrees' if unit == 'rad' else 'another unit'}?"
-    return Bound(unit, least - beyond, most + beyond, why, why, (least + most) / 2)
+    return Bound(unit, least - beyond, most + beyond, why, why, joint.range)

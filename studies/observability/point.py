@@ -85,7 +85,8 @@ def rest_point(subject: Subject, question: Question) -> dict[str, float]:
     point = dict.fromkeys((*question.block.x, *question.block.u), 0.0)
     units = subject.scales.coordinates.tolist()
     for joint, bound, unit in zip(system.joints, subject.positions.values(), units, strict=True):
-        point[system.name("q", joint)] = bound.middle / unit
+        middle = sum(bound.range) / 2 if bound.range else 0.0
+        point[system.name("q", joint)] = middle / unit
     for muscle in system.muscles:
         tendon = question.tendon(muscle)
         force = _TENSION * tendon.numbers["F_max"]

@@ -58,16 +58,18 @@ def _scaling(question: Question) -> str:
     return f"columns × typical size ({_SIZES[question.system.paper]}), rows normalised, zero rows stay zero"
 
 
-def _as_functions(lost: Sequence[str]) -> str:
+def _as_functions(question: Question, lost: Sequence[str]) -> str:
     """Ranks are those of constants, which borrow from the future."""
-    if lost:
-        return f"as functions of time, not constants: not determined {', '.join(lost)}"
-    return "as functions of time, not constants: all are determined"
+    unknown, sensors = counted(len(question.unknowns), "unknown"), counted(len(question.sensors), "sensor")
+    told = f"not determined {', '.join(lost)}" if lost else "all are determined"
+    return f"{unknown} and {sensors}; as functions of time, not constants: {told}"
 
 
 def details(question: Question, answer: Answer, tolerance: float) -> Iterator[str]:
     """Sentences: order by order, singular values, null directions, regions, kinks."""
     verdict = answer.verdict
+    if answer.lost_as_functions is not None:
+        yield _as_functions(question, answer.lost_as_functions)
     if question.units:
         yield f"units: {question.units}, angles in rad"
     by_order = ", ".join(map(str, verdict.ranks))
@@ -81,8 +83,6 @@ def details(question: Question, answer: Answer, tolerance: float) -> Iterator[st
         sides = f"rank {below} below, {above} above" if below != above else f"rank {below} on both sides"
         where = f"{name} = {answer.point[name]:.6g}"
         yield f"warning: the derivatives jump at {where} ({sides}); the lower one is shown"
-    if answer.lost_as_functions is not None:
-        yield _as_functions(answer.lost_as_functions)
     if any(math.isnan(deviation) for deviation in answer.deviations.values()):
         yield "σ is unknown: the motion from here is too fast, or grows too large, to be computed"
     later = [name for name in verdict.unobservable if math.isfinite(answer.deviations[name])]

@@ -117,6 +117,25 @@ def test_results_name_joints_and_muscles(hinge: xr.Dataset) -> None:
     )
 
 
+def test_a_joint_beyond_the_range_of_its_paths_is_told(hinge: xr.Dataset, tmp_path: Path) -> None:
+    assert json.loads(hinge.attrs["notes"]) == []
+    text = HINGE.read_text()
+    assert text.count("range = [0.0872") == 1
+    least, most = 0.5, 1.5
+    (tmp_path / "narrow.toml").write_text(
+        "".join(
+            f"range = [{least}, {most}]\n" if line.startswith("range = [0.0872") else line
+            for line in text.splitlines(keepends=True)
+        )
+    )
+    recording = read_recording(DATA / "hinge_pair_noisy.csv.gz", known=subject_of(HINGE).columns).part(slice(400))
+    position = recording["angle_elbow"]
+    outside = int(np.sum((position < least - 0.01) | (position > most + 0.01)))
+    assert 0 < outside < 400
+    (note,) = json.loads(estimate(recording, tmp_path / "narrow.toml", "high_gain").attrs["notes"])
+    assert note.startswith(f"angle_elbow is beyond 0.5 to 1.5 rad in {outside} of 400 rows, by at most ")
+
+
 def test_a_result_repeats_itself(hinge: xr.Dataset, tmp_path: Path) -> None:
     save_netcdf(hinge, tmp_path / "x.nc")
     again = hillobs.estimate(DATA / "hinge_pair_noisy.csv.gz", **hillobs.arguments(hillobs.load(tmp_path / "x.nc")))
