@@ -13,9 +13,11 @@ import xarray as xr
 from ...codegen.failure import Failure
 from ...model.arrays import Array
 from ...model.curves import CURVES
+from ...model.skeleton.tree import PIN
 from ...model.symbols import hat
 from ...observers.conditions import Checked
 from ..files.versions import versions
+from ..laboratory.mechanisms.reading import mechanism_of
 from ..simulate.failures import observer_failure
 from .bands.band import deviations
 from .case import Case, Result
@@ -43,6 +45,8 @@ _UNITS: Mapping[str, tuple[str, str]] = {
     "acceleration": ("m/s2", "rad/s2"),
     "disturbance": ("N", "N m"),
 }
+# between the two, where some joints slide and some turn
+_OR = " or "
 # noise about the end of a joint's range, as a part of it
 _AT_THE_END = 0.01
 Variable = tuple[tuple[str, ...], np.ndarray[Any, Any], dict[str, str]]
@@ -154,7 +158,17 @@ _LIMITED = {
 def _unit(sliding: Sequence[bool], quantity: str) -> str:
     """That of all joints, or both if some slide and some turn."""
     slides, turns = _UNITS[quantity]
-    return slides if all(sliding) else f"{slides} or {turns}" if any(sliding) else turns
+    return slides if all(sliding) else f"{slides}{_OR}{turns}" if any(sliding) else turns
+
+
+def joint_units(dataset: xr.Dataset, variable: str) -> dict[str, str]:
+    """The unit of each joint's part of a variable, by joint: that of all, unless some slide and some turn."""
+    slides, _, turns = str(dataset[variable].attrs["units"]).partition(_OR)
+    names = dataset.joint.values.tolist()
+    if not turns:
+        return dict.fromkeys(names, slides)
+    joints = mechanism_of(json.loads(str(dataset.muscle_file.values)), None).tree.joints
+    return {name: turns if joints[name].kind == PIN else slides for name in names}
 
 
 def _fibres(L: Array, heights: Array) -> tuple[Array, Array]:

@@ -14,6 +14,7 @@ from ..files.progress import Progress, shares, unseen
 from ..files.tables import Series, write_csv, write_sto
 from ..files.writing import refuse_overwriting, refuse_read, remove_ours, write_whole
 from ..laboratory.subject import subject_again
+from .dataset import joint_units
 from .scores import ESTIMATED, Score, scores_csv
 
 _TITLE = "estimates of {observer} from {source}"
@@ -50,7 +51,7 @@ def save_estimates(dataset: xr.Dataset, scores: list[Score], folder: Path, progr
     time = Series("time", "s", dataset.time.values)
     subject = subject_again(json.loads(str(dataset.muscle_file.values)))
     names, opensim = subject.names, subject.columns.opensim
-    positions, forces = (list(_parts(dataset[name], names[name])) for name in ("position", "force"))
+    positions, forces = (list(_parts(dataset, name, names[name])) for name in ("position", "force"))
     prefixes = {name: f"{name}." if len(observers) > 1 else "" for name in observers}
     estimates = [
         Series(f"{prefix}{column}{suffix}", values.attrs["units"], values.values)
@@ -100,17 +101,17 @@ def _columns(
     for suffix, name in itertools.product((_HAT, *_DEVIATIONS), ESTIMATED):
         if suffix in _DEVIATIONS and (name + suffix not in of or of[name + suffix].isnull().all()):
             continue
-        yield from ((column, suffix, part) for column, part in _parts(of[name + suffix], names[name]))
+        yield from ((column, suffix, part) for column, part in _parts(of, name + suffix, names[name]))
 
 
-def _parts(values: xr.DataArray, names: Sequence[str]) -> Iterator[tuple[str, xr.DataArray]]:
+def _parts(dataset: xr.Dataset, variable: str, names: Sequence[str]) -> Iterator[tuple[str, xr.DataArray]]:
     """The column of each joint or muscle, with its unit."""
-    dims = [dim for dim in ("joint", "muscle") if dim in values.dims]
-    if not dims:
+    values = dataset[variable]
+    if "joint" in values.dims:
+        for column, (joint, unit) in zip(names, joint_units(dataset, variable).items(), strict=True):
+            yield column, values.sel(joint=joint).assign_attrs(units=unit)
+    elif "muscle" in values.dims:
+        for column, muscle in zip(names, values.muscle.values.tolist(), strict=True):
+            yield column, values.sel(muscle=muscle)
+    else:
         yield names[0], values
-        return
-    for column, label in zip(names, values[dims[0]].values.tolist(), strict=True):
-        part = values.sel({dims[0]: label})
-        slides, _, turns = str(values.attrs["units"]).partition(" or ")
-        unit = turns if turns and column.startswith("angl") else slides
-        yield column, part.assign_attrs(units=unit)

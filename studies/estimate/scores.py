@@ -5,12 +5,13 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterator
-from dataclasses import astuple, dataclass, fields
+from dataclasses import dataclass, field
 
 import numpy as np
 import xarray as xr
 
 from ..files.tables import csv_text
+from .dataset import joint_units
 
 # seconds from the first sample on in which observers settle
 SETTLED = 1.0
@@ -18,15 +19,15 @@ SETTLED = 1.0
 WITHIN_95 = 1.96
 # what observers estimate of a recording, scored where the truth is known
 ESTIMATED = ("position", "velocity", "disturbance", "tendon_length", "fibre_length", "fibre_velocity", "activation")
-# all joints or all muscles together, and what has no parts
-TOGETHER = ("", "both", "all")
+_HEADER = ("observer", "quantity", "muscle", "unit", "rmse", "peak")
 
 
 @dataclass(frozen=True)
 class Score:
     """Root mean square and largest error after SETTLED, in `unit`.
 
-    muscle: 1, 2, both or empty of a pair; the name of a muscle or joint of a mechanism, or all.
+    muscle: 1, 2, both or empty of a pair; the name of a muscle or joint of a mechanism, all muscles or all joints.
+    joint: whether it is of joints that have names; together: of all of them, all muscles, or what has no parts.
     """
 
     observer: str
@@ -35,9 +36,12 @@ class Score:
     unit: str
     rmse: float
     peak: float
+    joint: bool = field(default=False, kw_only=True)
+    together: bool = field(default=False, kw_only=True)
 
-
-_HEADER = tuple(field.name for field in fields(Score))
+    def row(self) -> dict[str, str | float]:
+        """What tables have of it, by column."""
+        return {name: getattr(self, name) for name in _HEADER}
 
 
 def scores(dataset: xr.Dataset) -> list[Score]:
@@ -47,7 +51,7 @@ def scores(dataset: xr.Dataset) -> list[Score]:
 
 def scores_csv(scores: list[Score]) -> str:
     """A row per score."""
-    return csv_text([_HEADER, *map(astuple, scores)])
+    return csv_text([_HEADER, *(tuple(score.row().values()) for score in scores)])
 
 
 def _scores(late: xr.Dataset) -> Iterator[Score]:
@@ -60,13 +64,31 @@ def _scores(late: xr.Dataset) -> Iterator[Score]:
                 continue
             estimates = late[f"{quantity}_hat"]
             error = estimates.sel(observer=observer) - late[f"true_{quantity}"]
-            parts = {"": error}
-            for dim in {"muscle", "joint"} & set(error.dims):
-                labels = error[dim].values.tolist()
-                together = "both" if len(labels) == 2 else "all"
-                parts = {together: error, **{str(label): error.sel({dim: label}) for label in labels}}
+            dim = next((dim for dim in ("muscle", "joint") if dim in error.dims), "")
+            joint, unit = dim == "joint", str(estimates.attrs["units"])
+            own = joint_units(late, f"{quantity}_hat") if joint else {}
+            # no mean of metres and radians
+            together = _together(late, dim) if len(set(own.values())) <= 1 else None
+            parts = {} if together is None else {together: error}
+            parts |= {str(label): error.sel({dim: label}) for label in (error[dim].values.tolist() if dim else ())}
             for muscle, part in parts.items():
                 rmse, peak = float(np.sqrt((part**2).mean())), float(np.abs(part).max())
                 if observer in failed:
                     rmse = peak = math.nan
-                yield Score(observer, quantity, muscle, estimates.attrs["units"], rmse, peak)
+                yield Score(
+                    observer,
+                    quantity,
+                    muscle,
+                    own.get(muscle, unit),
+                    rmse,
+                    peak,
+                    joint=joint,
+                    together=muscle == together,
+                )
+
+
+def _together(late: xr.Dataset, dim: str) -> str:
+    """What all joints or all muscles are called: two words where they have names, which no name is."""
+    if not dim:
+        return ""
+    return f"all {dim}s" if "joint" in late.dims else "both"

@@ -10,11 +10,16 @@ import xarray as xr
 
 import hillobs
 from hillobs.model.skeleton.paths import constant_moment_arms
-from hillobs.model.skeleton.tree import GROUND, SLIDER, Joint, Link, Tree
+from hillobs.model.skeleton.tree import GROUND, PIN, SLIDER, Joint, Link, Tree
+from hillobs.studies.cli.reports.estimates.estimate import score_cells
+from hillobs.studies.cli.reports.estimates.verdict import answer
+from hillobs.studies.cli.reports.number import number
+from hillobs.studies.estimate.files import save_estimates
 from hillobs.studies.estimate.run import estimate
-from hillobs.studies.estimate.scores import TOGETHER, scores
+from hillobs.studies.estimate.scores import scores
 from hillobs.studies.files.datasets.netcdf import save_netcdf
 from hillobs.studies.files.errors import RecordingError, ScenarioError
+from hillobs.studies.files.tables import Series, write_csv
 from hillobs.studies.laboratory.mechanisms.mechanism import Mechanism
 from hillobs.studies.laboratory.mechanisms.reading import read_mechanism
 from hillobs.studies.laboratory.muscles import read_muscles
@@ -55,7 +60,7 @@ def test_one_rule_for_all_is_as_good_as_promised(name: str) -> None:
     found = {
         (score.observer, score.quantity): score
         for score in scores(estimate(folder / name, mechanism, CHAINS))
-        if score.muscle in TOGETHER or score.muscle == "muscle"
+        if score.together
     }
     activation = {observer: found[observer, "activation"].rmse for observer in CHAINS}
     assert activation["high_gain"] <= order_2
@@ -259,3 +264,86 @@ def test_a_biased_force_moves_the_torque_by_its_moment_arm(hinge: xr.Dataset) ->
     )
     arms = subject_of(HINGE).laws.moment_arms(biased.position_hat.values)[0, :, 1, 0] * subject_of(HINGE).scales.length
     np.testing.assert_allclose(biased.disturbance_sd_muscle[0, :, 0], 2 * abs(arms), rtol=1e-12)
+
+
+@pytest.fixture(scope="module")
+def mixed(tmp_path_factory: pytest.TempPathFactory) -> tuple[Mechanism, xr.Dataset]:
+    """A pendulum on a cart, and its estimates; what its recording knows beside is made up."""
+    muscle = read_muscles(MUSCLES).muscle1
+    tree = Tree(
+        {"block": Link(10.0), "rod": Link(1.0, (0.0, -0.3, 0.0), (0.1, 0.1, 0.1, 0.0, 0.0, 0.0))},
+        {
+            "cart": Joint(GROUND, "block", SLIDER, (1.0, 0.0, 0.0), range=(-0.05, 0.05)),
+            "pend": Joint("block", "rod", PIN, range=(-0.5, 0.5)),
+        },
+        (0.0, -9.81, 0.0),
+    )
+    length = muscle.tendon_slack_length + muscle.optimal_fibre_length
+    paths = {
+        # names that tables might take for all of them
+        "all": constant_moment_arms(length, {"cart": 1.0}),
+        "both": constant_moment_arms(length, {"pend": 0.03}),
+    }
+    mechanism = Mechanism(tree, dict.fromkeys(paths, muscle), paths)
+    time = np.arange(0.0, 2.0, 0.005)
+    wave = np.sin(2 * np.pi * time)
+    known = {
+        "position_cart": ("m", 0.02 * wave),
+        "angle_pend": ("rad", 0.2 * wave),
+        **{f"force_{name}": ("N", 200 + 50 * wave) for name in paths},
+        "velocity_cart": ("m/s", 0.1 * wave),
+        "angular_velocity_pend": ("rad/s", wave),
+        "activation_all": ("1", 0.2 + 0 * wave),
+        "activation_both": ("1", 0.4 + 0 * wave),
+    }
+    path = tmp_path_factory.mktemp("mixed") / "x.csv"
+    write_csv(path, [Series("time", "s", time), *(Series(name, *of) for name, of in known.items())])
+    return mechanism, estimate(read_recording(path, known=subject_of(mechanism).columns), mechanism, "high_gain")
+
+
+def test_what_slides_and_what_turns_have_their_own_units(mixed: tuple[Mechanism, xr.Dataset], tmp_path: Path) -> None:
+    mechanism, dataset = mixed
+    save_estimates(dataset, scores(dataset), tmp_path)
+    head = (tmp_path / "estimates.csv").read_text().partition("\n")[0].split(",")
+    units = {
+        "position_cart": "m",
+        "angle_pend": "rad",
+        "velocity_cart": "m/s",
+        "angular_velocity_pend": "rad/s",
+        "disturbance_cart": "N",
+        "disturbance_pend": "N m",
+    }
+    assert {f"{name}_hat [{unit}]" for name, unit in units.items()} <= set(head)
+    mapping = {name: f"{name}_hat" for name in units if name not in ("position_cart", "angle_pend")}
+    read = read_recording(tmp_path / "estimates.csv", mapping, known=subject_of(mechanism).columns)
+    for quantity, names in subject_of(mechanism).names.items():
+        for joint, name in zip(("cart", "pend"), names, strict=True):
+            if name in mapping:
+                np.testing.assert_array_equal(read.true[name], dataset[f"{quantity}_hat"].sel(joint=joint)[0])
+
+
+def test_no_score_is_a_mean_of_metres_and_radians(mixed: tuple[Mechanism, xr.Dataset], hinge: xr.Dataset) -> None:
+    found = scores(mixed[1])
+    assert [(s.muscle, s.unit) for s in found if s.quantity == "velocity"] == [("cart", "m/s"), ("pend", "rad/s")]
+    assert score_cells(found)[0] == ["", "activation"]
+    assert [s.muscle for s in scores(hinge.isel(observer=[0])) if s.quantity == "velocity"] == ["all joints", "elbow"]
+
+
+def test_a_muscle_may_be_called_all(mixed: tuple[Mechanism, xr.Dataset]) -> None:
+    _, dataset = mixed
+    found = {score.muscle: score for score in scores(dataset) if score.quantity == "activation"}
+    assert list(found) == ["all muscles", "all", "both"]
+    late = dataset.sel(time=slice(1.0, None))
+    error = (late.activation_hat - late.true_activation)[0]
+    for name, part in (("all muscles", error), ("all", error.sel(muscle="all")), ("both", error.sel(muscle="both"))):
+        assert found[name].rmse == pytest.approx(float(np.sqrt((part**2).mean())))
+    assert score_cells(scores(dataset))[1][1] == number(found["all muscles"].rmse)
+
+
+def test_programs_are_told_what_is_a_joint(mixed: tuple[Mechanism, xr.Dataset]) -> None:
+    rows = json.loads(answer(None, scores(mixed[1]), []))["scores"]
+    whose = {(row["quantity"], key): row[key] for row in rows for key in ("joint", "muscle") if key in row}
+    assert whose == {
+        ("velocity", "joint"): "pend",
+        ("activation", "muscle"): "both",
+    }

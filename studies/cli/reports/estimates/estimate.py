@@ -15,7 +15,7 @@ from .....model.arrays import Array
 from .....model.skeleton.load import pull
 from .....observers import label
 from ....estimate.bands.doubt import stated
-from ....estimate.scores import SETTLED, TOGETHER, WITHIN_95, Score
+from ....estimate.scores import SETTLED, WITHIN_95, Score
 from ....estimate.sizes.first_pass import FEW
 from ..conditions import violated_conditions
 from ..number import counted, number
@@ -137,7 +137,7 @@ def _seconds(value: float) -> str:
 
 
 def score_table(scores: Sequence[Score]) -> Table:
-    """RMSE of each observer after the first second, both muscles together."""
+    """RMSE of each observer after the first second, all muscles together, and all joints where they have one unit."""
     table = Table(box=None, padding=(0, 2, 0, 0), title=f"RMSE after {SETTLED:g} s", title_justify="left")
     head, *rows = score_cells(scores)
     for heading in head:
@@ -149,7 +149,7 @@ def score_table(scores: Sequence[Score]) -> Table:
 
 def score_cells(scores: Sequence[Score]) -> list[list[str]]:
     """The same as words: a row of headings, then a row for each observer, which it begins with."""
-    by_key = {(s.observer, s.quantity): s for s in scores if s.muscle in TOGETHER}
+    by_key = {(s.observer, s.quantity): s for s in scores if s.together}
     units = {s.quantity: _UNITS.get(s.unit, (s.unit, 1.0)) for s in by_key.values()}
     shown = [q for q in _SHOWN if q in units]
     rows = [

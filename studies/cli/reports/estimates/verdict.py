@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -44,14 +43,17 @@ def answer(verdict: Verdict | None, scores: Sequence[Score], written: Sequence[P
     """Verdict, scores and files for a program."""
     said = {
         "verdict": None if verdict is None else verdict.as_dict(),
-        "scores": [_number(asdict(score)) for score in scores],
+        "scores": [_row(score) for score in scores],
         "written": [str(path) for path in written],
     }
     return json.dumps(said, indent=2, allow_nan=False, ensure_ascii=True)
 
 
-def _number(score: dict[str, Any]) -> dict[str, Any]:
+def _row(score: Score) -> dict[str, Any]:
+    """A score by the names of its columns, but `joint` for the name of one."""
+    return {"joint" if key == "muscle" and score.joint else key: _number(value) for key, value in score.row().items()}
+
+
+def _number(value: str | float) -> str | float | None:
     """JSON has no NaN: an observer that failed has no score."""
-    return {
-        key: None if isinstance(value, float) and not math.isfinite(value) else value for key, value in score.items()
-    }
+    return None if isinstance(value, float) and not math.isfinite(value) else value
