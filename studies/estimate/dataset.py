@@ -16,6 +16,7 @@ from ...model.curves import CURVES
 from ...model.skeleton.tree import PIN
 from ...model.symbols import hat
 from ...observers.conditions import Checked
+from ..files.datasets.schema import read_json
 from ..files.versions import versions
 from ..laboratory.mechanisms.reading import mechanism_of
 from ..simulate.failures import observer_failure
@@ -167,8 +168,9 @@ def joint_units(dataset: xr.Dataset, variable: str) -> dict[str, str]:
     names = dataset.joint.values.tolist()
     if not turns:
         return dict.fromkeys(names, slides)
-    joints = mechanism_of(json.loads(str(dataset.muscle_file.values)), None).tree.joints
-    return {name: turns if joints[name].kind == PIN else slides for name in names}
+    joints = mechanism_of(read_json("muscle_file", str(dataset.muscle_file.values), dict), None).tree.joints
+    turning = {name for name, joint in joints.items() if joint.kind == PIN}
+    return {name: turns if name in turning else slides for name in names}
 
 
 def _fibres(L: Array, heights: Array) -> tuple[Array, Array]:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import textwrap
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -15,6 +17,7 @@ from matplotlib.ticker import MaxNLocator
 
 from ...model.arrays import Array
 from ...observers import label
+from ..estimate.dataset import joint_units
 from ..estimate.scores import SETTLED, WITHIN_95
 from ..files.quote import drawn
 from . import style
@@ -27,17 +30,27 @@ SHEET = "sheet"
 _MOST_POINTS = 4000
 # inches: a panel, and one that is looked at most
 _ROW, _TALL = 0.85, 1.3
-# inches: position and forces
-_HEIGHTS = (_ROW, _ROW)
+# letters of a name that are as long as an inch, standing beside a panel
+_LETTERS = 12
 # of the range of the values, above and below them
 _MARGIN = 0.08
 # observers side by side; further ones stand below, as evenly as can be
 _MOST_COLUMNS = 4
-# observers have colours, what was measured has none: greys from dark to light, pairs of them with the same dashes
-_DARK, _LIGHT = 0.25, 0.65
-_DASHES = ("-", "--", ":", "-.")
-# names beside each other above a panel
-_NAMES = 6
+# observers have colours, what was measured has none: a dark and a light line with each of the dashes, and of still more
+# lines thicker ones; dashes that differ at a glance, in a noisy line too
+_GREYS = ("0.25", "0.65")
+_DASHES: tuple[Any, ...] = (
+    "-",
+    (0, (8, 6)),
+    (0, (1.5, 3)),
+    (0, (12, 4, 1.5, 4)),
+    (0, (20, 6)),
+    (0, (8, 3, 1.5, 3, 1.5, 3)),
+)
+_THICKER = 2.0
+# names beside each other above a panel; inches that they may take, those of a further row of them, and those by which
+# the margin of the last row is over the panel
+_NAMES, _WIDE, _LINE, _OVER = 6, 6.2, 0.14, 0.0425
 # a scale of its own for an observer with values so many times as large as the usual one has
 _HIDES = 8.0
 # along a panel
@@ -67,31 +80,48 @@ _MOST_IN_FULL = 2
 _ON_PAPER = {"m": ("mm", 1e3), "m/s": ("mm/s", 1e3)}
 
 
+def _on_paper(unit: str) -> tuple[str, float]:
+    return _ON_PAPER.get(unit, (unit, 1.0))
+
+
+def _units(thin: xr.Dataset, variable: str) -> dict[str, str]:
+    """The unit of each joint's part of a variable; a pair's joint has no name."""
+    return joint_units(thin, variable) if "joint" in thin.dims else {"": thin[variable].attrs["units"]}
+
+
+def _wrapped(name: int | str, inches: float) -> str:
+    """A name in lines that are no longer than its panel is high, if they can end behind a _ with one."""
+    # textwrap ends lines behind hyphens, which names do not have
+    lines = textwrap.wrap(str(name).replace("_", "-"), int(inches * _LETTERS))
+    return "\n".join(lines).replace("-", "_")
+
+
 def _panels(thin: xr.Dataset) -> list[Panel]:
     """What the sheet shows, from activations down to what an observer leaves unexplained."""
     muscles = thin.muscle.values.tolist()
-    joints = thin.joint.values.tolist() if "joint" in thin.dims else [""]
-
     # a pair's names are short, and stand beside words; others stand below
     below, unit_of = ("\n", "\n") if "joint" in thin.dims else (" ", ", ")
 
     def of_joints(variable: str, words: str, alone: str = "", true: str = "") -> list[Panel]:
-        unit, factor = _ON_PAPER.get(thin[variable].attrs["units"], (thin[variable].attrs["units"], 1.0))
         return [
             Panel(variable, f"{words}\n{name}{unit_of if name else ''}{unit}", factor, joint=joint, true=true)
-            for joint in joints
-            for name in [joint or alone]
+            for joint, own in _units(thin, variable).items()
+            for name in [_wrapped(joint, _ROW) or alone]
+            for unit, factor in [_on_paper(own)]
         ]
 
-    def of_muscles(variable: str, words: str, true: str = "", unit: str = "") -> list[Panel]:
+    def of_muscles(variable: str, words: str, true: str = "", unit: str = "", height: float = _ROW) -> list[Panel]:
         before = unit_of if "\n" in words else "\n"
         tail, factor = (before + unit, 1e3) if unit else ("", 1.0)
-        return [Panel(variable, f"{words}{below}{muscle}{tail}", factor, muscle, true=true) for muscle in muscles]
+        return [
+            Panel(variable, f"{words}{below}{_wrapped(muscle, height)}{tail}", factor, muscle, true=true, height=height)
+            for muscle in muscles
+        ]
 
     full = len(muscles) <= _MOST_IN_FULL
-    activations = of_muscles("activation_hat", "activation", "true_activation")
+    activations = of_muscles("activation_hat", "activation", "true_activation", height=_TALL)
     return [
-        *(replace(panel, height=_TALL, limits=_ACTIVATION) for panel in activations),
+        *(replace(panel, limits=_ACTIVATION) for panel in activations),
         *of_joints("velocity_hat", "velocity", true="true_velocity"),
         *(of_muscles("fibre_length_hat", "fibre", "true_fibre_length", "mm") if full else ()),
         *of_joints("disturbance_hat", "external", "force", "true_disturbance"),
@@ -116,18 +146,21 @@ def estimate_sheet(dataset: xr.Dataset) -> Figure:
     observers = thin.observer.values.tolist()
     tiers = -(-len(observers) // _MOST_COLUMNS)
     columns = -(-len(observers) // tiers)
-    heights = [*_HEIGHTS, *[panel.height for panel in shown] * tiers]
+    # position and forces, of which many need height to be told apart
+    measured = (_ROW, _ROW if thin.sizes["muscle"] <= _MOST_IN_FULL else _TALL)
+    heights = [*measured, *[panel.height for panel in shown] * tiers]
     with settings():
         figure = Figure(figsize=(style.PAGE, sum(heights)), layout="constrained")
         grid = figure.add_gridspec(len(heights), columns, height_ratios=heights)
-        upper, lower = (figure.add_subplot(grid[row, :]) for row in range(len(_HEIGHTS)))
-        _measured(upper, lower, thin)
+        upper, lower = (figure.add_subplot(grid[row, :]) for row in range(len(measured)))
+        # names above the first panels take no height from them
+        figure.set_figheight(sum(heights) + _LINE * _measured(figure, upper, lower, thin, measured))
         limits = [_limits(thin, panel) for panel in shown]
         for place, (name, look) in enumerate(style.observer_colours(observers).items()):
             tier, column = divmod(place, columns)
             left = observers[place - 1] if column else ""
             for row, (panel, scale) in enumerate(zip(shown, limits, strict=True)):
-                axes = figure.add_subplot(grid[len(_HEIGHTS) + tier * len(shown) + row, column])
+                axes = figure.add_subplot(grid[len(measured) + tier * len(shown) + row, column])
                 axes.set_ylim(scale[name])
                 _shade(axes, thin, panel, name, look)
                 _draw(axes, thin, panel, name, look)
@@ -153,34 +186,45 @@ def estimate_sheet(dataset: xr.Dataset) -> Figure:
     return figure
 
 
-def _measured(upper: Axes, lower: Axes, thin: xr.Dataset) -> None:
-    """Positions and forces, each line with its name where there are several."""
-    joints = thin.joint.values.tolist() if "joint" in thin.dims else []
-    unit, factor = _ON_PAPER.get(thin.position.attrs["units"], (thin.position.attrs["units"], 1.0))
+def _measured(figure: Figure, upper: Axes, lower: Axes, thin: xr.Dataset, heights: tuple[float, float]) -> int:
+    """Positions and forces, each line with its name where there are several; how many more rows names take than one."""
+    units = _units(thin, "position")
+    alike = len(set(units.values())) == 1
+    unit, factor = _on_paper(next(iter(units.values()))) if alike else ("", 1.0)
     positions = np.atleast_2d((thin.position.values * factor).T)
-    for values, look, name in zip(positions, _greys(len(positions)), joints or [None], strict=True):
-        upper.plot(thin.time.values, values, **look, label=name)
-    upper.set_ylabel(f"position\n{unit}")
+    for values, look, (joint, own) in zip(positions, _greys(len(positions)), units.items(), strict=True):
+        upper.plot(thin.time.values, values, **look, label=joint if alike else f"{joint}, {own}")
+    upper.set_ylabel(f"position\n{unit}" if alike else "position")
     upper.tick_params(labelbottom=False)
     muscles = thin.muscle.values.tolist()
-    words = "{}" if joints else "tendon {}"
+    words = "{}" if "joint" in thin.dims else "tendon {}"
     for muscle, look in zip(muscles, _greys(len(muscles), thin=True), strict=True):
         lower.plot(thin.time.values, thin.force.sel(muscle=muscle).values, **look, label=words.format(muscle))
     lower.set_ylabel("force\nN")
-    for axes, count in ((upper, len(joints)), (lower, len(muscles))):
-        if count > 1:
-            # above its panel, not over the data
-            axes.legend(
-                loc="lower right", bbox_to_anchor=(1, 0.95), ncols=min(count, _NAMES), borderaxespad=0, labelspacing=0
-            )
+    lines = zip((upper, lower), (len(units), len(muscles)), heights, strict=True)
+    return sum(_name(figure, axes, count, height) - 1 for axes, count, height in lines if count > 1)
+
+
+def _name(figure: Figure, axes: Axes, count: int, height: float) -> int:
+    """Name so many lines above their panel of this height, not over the data; in how many rows."""
+    top = (1, 1 - _OVER / height)
+    for columns in range(min(count, _NAMES), 0, -1):
+        legend = axes.legend(loc="lower right", bbox_to_anchor=top, ncols=columns, borderaxespad=0, labelspacing=0)
+        if legend.get_window_extent().width <= _WIDE * figure.dpi:
+            break
+    return -(-count // columns)
 
 
 def _greys(count: int, thin: bool = False) -> list[style.Style]:
     """Lines of what was measured, which has no colour."""
-    shades = np.linspace(_DARK, _LIGHT, count).tolist() if count > 1 else [_DARK]
+    several = len(_GREYS) * len(_DASHES)
     return [
-        {"color": f"{shade:.2f}", "linewidth": 0.6 if thin else 0.8, "linestyle": _DASHES[i // 2 % len(_DASHES)]}
-        for i, shade in enumerate(shades)
+        {
+            "color": _GREYS[i % len(_GREYS)],
+            "linewidth": (0.6 if thin else 0.8) * (_THICKER if i >= several else 1.0),
+            "linestyle": _DASHES[i // len(_GREYS) % len(_DASHES)],
+        }
+        for i in range(count)
     ]
 
 

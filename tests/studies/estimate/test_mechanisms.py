@@ -1,12 +1,14 @@
 """Recordings of joints and any number of muscles: as accurate as promised, and the pair is one of them."""
 
 import dataclasses
+import itertools
 import json
 from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.transforms import Bbox
 
 import hillobs
 from hillobs.model.skeleton.paths import constant_moment_arms
@@ -17,6 +19,7 @@ from hillobs.studies.cli.reports.number import number
 from hillobs.studies.estimate.files import save_estimates
 from hillobs.studies.estimate.run import estimate
 from hillobs.studies.estimate.scores import scores
+from hillobs.studies.figures.estimate import estimate_sheet
 from hillobs.studies.files.datasets.netcdf import save_netcdf
 from hillobs.studies.files.errors import RecordingError, ScenarioError
 from hillobs.studies.files.tables import Series, write_csv
@@ -346,4 +349,51 @@ def test_programs_are_told_what_is_a_joint(mixed: tuple[Mechanism, xr.Dataset]) 
     assert whose == {
         ("velocity", "joint"): "pend",
         ("activation", "muscle"): "both",
+    }
+
+
+def inside(outer: Bbox, inner: Bbox) -> bool:
+    return outer.x0 <= inner.x0 and inner.x1 <= outer.x1 and outer.y0 <= inner.y0 and inner.y1 <= outer.y1
+
+
+@pytest.mark.parametrize("count", [1, 2, 6, 12])
+def test_long_names_stay_on_the_sheet_and_hide_nothing(hinge: xr.Dataset, count: int) -> None:
+    names = [f"muscle_with_a_long_name_{i}" for i in range(count)]
+    shown = hinge.isel(observer=[0], muscle=np.arange(count) % 2).assign_coords(muscle=names)
+    figure = estimate_sheet(shown)
+    figure.draw_without_rendering()
+    panels = [axes.get_window_extent() for axes in figure.axes]
+    labels = [axes.yaxis.label.get_window_extent() for axes in figure.axes]
+    assert all(inside(figure.bbox, label) for label in labels)
+    assert not any(one.overlaps(other) for one, other in itertools.pairwise(labels))
+    assert all(panel.width > figure.bbox.width / 2 and panel.height > figure.dpi / 2 for panel in panels)
+    forces = figure.axes[1]
+    if count > 1:
+        named = forces.get_legend()
+        assert [text.get_text() for text in named.get_texts()] == names
+        assert inside(figure.bbox, named.get_window_extent())
+        assert not named.get_window_extent().overlaps(panels[0])
+
+
+def test_lines_of_many_muscles_differ_without_colour(hinge: xr.Dataset) -> None:
+    count = 12
+    shown = hinge.isel(observer=[0], muscle=np.arange(count) % 2).assign_coords(muscle=[f"m{i}" for i in range(count)])
+    drawn = estimate_sheet(shown).axes[1].lines
+    looks = {(line.get_color(), str(line._unscaled_dash_pattern)) for line in drawn}
+    assert len(looks) == count
+    assert len({color for color, _ in looks}) == 2
+
+
+def test_a_joint_in_a_figure_has_its_own_unit(mixed: tuple[Mechanism, xr.Dataset]) -> None:
+    figure = estimate_sheet(mixed[1])
+    labels = [axes.get_ylabel().split("\n") for axes in figure.axes]
+    assert [text.get_text() for text in figure.axes[0].get_legend().get_texts()] == ["cart, m", "pend, rad"]
+    units = {(words[0], words[1]): words[-1] for words in labels if words[1:2] in (["cart"], ["pend"])}
+    assert units == {
+        ("velocity", "cart"): "mm/s",
+        ("velocity", "pend"): "rad/s",
+        ("external", "cart"): "N",
+        ("external", "pend"): "N m",
+        ("innovation", "cart"): "mm",
+        ("innovation", "pend"): "rad",
     }
