@@ -63,7 +63,8 @@ SI = {unit.quantity: unit for unit in reversed(_UNITS) if unit.times == unit.ove
 IN_DEGREES = {unit.quantity: unit for unit in _UNITS if unit.symbol.startswith("deg")}
 
 _SPELLINGS = str.maketrans({"²": "2", "^": "", "*": "", "µ": "u", "μ": "u", " ": ""})
-_WORDS = {"": "1", "-": "1", "sec": "s", "m/s/s": "m/s2", "°": "deg", "Nm": "N m", "Nmm": "N mm"}
+_WORDS = {"": "1", "-": "1", "sec": "s", "m/s/s": "m/s2", "Nm": "N m", "Nmm": "N mm"}
+_WORDS |= {"°": "deg", **dict.fromkeys(("degree", "degrees"), "deg"), **dict.fromkeys(("radian", "radians"), "rad")}
 
 
 def find_unit(text: str) -> Unit | None:
@@ -77,8 +78,11 @@ def unit_of(text: str, quantity: str, where: str) -> Unit:
     unit = find_unit(text)
     valid = ", ".join(known.symbol for known in _UNITS if known.quantity == quantity)
     if unit is None:
-        raise RecordingError(f"{where}: unknown unit {shown(text)}; a {quantity} is in {valid}")
+        raise RecordingError(f"{where}: unknown unit {shown(text)}; {_a(quantity)} is in {valid}")
     if unit.quantity != quantity:
-        a = "an" if unit.quantity[0] in "aeiou" else "a"
-        raise RecordingError(f"{where}: {unit.symbol} is the unit of {a} {unit.quantity}; a {quantity} is in {valid}")
+        raise RecordingError(f"{where}: {unit.symbol} is the unit of {_a(unit.quantity)}; {_a(quantity)} is in {valid}")
     return unit
+
+
+def _a(quantity: str) -> str:
+    return f"{'an' if quantity[0] in 'aeiou' else 'a'} {quantity}"

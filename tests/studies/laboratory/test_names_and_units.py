@@ -7,8 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from hillobs.studies.files.errors import RecordingError
 from hillobs.studies.laboratory.columns import choose, name_and_unit
-from hillobs.studies.laboratory.units import SI, UNITS
+from hillobs.studies.laboratory.units import SI, UNITS, find_unit, unit_of
 from written_recording import HEAD, ROWS, TABLE, numbers, reading, refusal
 
 
@@ -44,6 +45,17 @@ def test_units_become_SI(head: str, factors: tuple[float, ...], folder: Path) ->
     further = "velocity [mm/s],acceleration [m/s^2],activation_1 [%],disturbance [kN]"
     true = reading(folder, f"{HEAD},{further}\n0,1,2,3,4,5,6,7\n").true
     assert [float(values[0]) for values in true.values()] == [0.004, 5.0, 0.06, 7000.0]
+
+
+@pytest.mark.parametrize("words", [("deg", "°", "degree", "degrees"), ("rad", "radian", "radians")])
+def test_angles_have_units_in_words_too(words: tuple[str, ...]) -> None:
+    assert {find_unit(word) for word in words} == {UNITS[words[0]]}
+
+
+def test_an_angle_is_in_rad_or_deg() -> None:
+    for text, told in (("gon", "unknown unit 'gon'"), ("m", "m is the unit of a length")):
+        with pytest.raises(RecordingError, match=f"^there: {told}; an angle is in rad, deg$"):
+            unit_of(text, "angle", "there")
 
 
 @given(st.sampled_from(sorted(UNITS)), st.floats(-1e290, 1e290).filter(lambda x: x == 0 or abs(x) > 1e-290))
