@@ -6,11 +6,12 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import click
+from click.core import ParameterSource
 from click.shell_completion import CompletionItem
 
 from ..files.errors import ScenarioError, in_file
 from ..files.numbers import parse_number
-from ..files.quote import shown
+from ..files.quote import short, shown
 from ..files.writing import refuse_overwriting, writable_folder, write_whole
 from ..laboratory.mechanisms.from_opensim import mechanism_from
 from ..laboratory.mechanisms.writing import mechanism_text
@@ -35,7 +36,9 @@ def _by_name(example: str, value: Callable[[str, str], object]) -> Callable[...,
             name, equals, text = words.partition("=")
             if not (name and equals):
                 raise ScenarioError(f"--{param.name} must be such as {example}, not {shown(words)}")
-            found[name.strip()] = value(f"--{param.name} {name}", text.strip())
+            if (name := name.strip()) in found:
+                raise ScenarioError(f"--{param.name} {short(name)} is given twice")
+            found[name] = value(f"--{param.name} {name}", text.strip())
         return found
 
     return read
@@ -80,7 +83,9 @@ def _complete_files(ctx: click.Context, param: click.Parameter, incomplete: str)
 @click.option("--fit", is_flag=True, help="Let OpenSim fit polynomials for muscles that have none, over the ranges.")
 @whole_option("--order", LEAST_ORDER, "Of the polynomials of --fit.", default=5)
 @click.option("--out", metavar="FILE.toml", shell_complete=_complete_files, help="Where the mechanism is written.")
+@click.pass_context
 def import_(
+    ctx: click.Context,
     model: str,
     paths: str | None,
     lock: dict[str, float],
@@ -98,6 +103,8 @@ def import_(
     only = [name for name in map(str.strip, (muscles or "").split(",")) if name]
     if muscles is not None and not only:
         raise ScenarioError("--muscles must be names with commas between")
+    if not fit and ctx.get_parameter_source("order") is not ParameterSource.DEFAULT:
+        raise ScenarioError("--order is that of --fit, which is not asked for")
     if order > MOST_ORDER:
         raise ScenarioError(f"--order must be at most {MOST_ORDER}, not {order}")
     place = None if out is None else _place(out)

@@ -7,6 +7,7 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any, cast
 
+from ....model.arrays import is_number
 from ....model.block import Parameter
 from ....model.fibre import PENNATION
 from ....model.skeleton.tree import KINDS, WELD, Joint, Link, Tree, TreeError, Vector
@@ -124,10 +125,20 @@ def _values(where: str, table: Mapping[str, object], known: Mapping[str, Paramet
 
 def _number(where: str, value: object, known: Parameter | Numbers) -> float | tuple[float, ...]:
     if isinstance(known, Parameter):
-        return within(where, value, known)
+        return _within(where, value, known)
     if not isinstance(value, list) or len(value) != known.count:
         raise ScenarioError(f"{where} must be a list of {known.count} numbers, not {shown(value)}")
-    return tuple(within(f"{where}[{number}]", inner, known.each) for number, inner in enumerate(value))
+    return tuple(_within(f"{where}[{number}]", inner, known.each) for number, inner in enumerate(value))
+
+
+def _within(where: str, value: object, known: Parameter) -> float:
+    try:
+        return within(where, value, known)
+    except ScenarioError as error:
+        # what is beyond a few turns was meant otherwise
+        if known.unit == "rad" and is_number(value):
+            raise ScenarioError(f"{error} (rad; is it in degrees?)") from error
+        raise
 
 
 def _tables(content: Mapping[str, object], name: str) -> dict[str, dict[str, object]]:

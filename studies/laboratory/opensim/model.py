@@ -99,8 +99,8 @@ def _model(
     of_joints = joints(document, of_bodies)
     coordinates = Coordinates(of_joints)
     held = {own.name: own.value for joint in of_joints for own in joint.coordinates if own.locked}
-    held |= {coordinates.find(name): value for name, value in locks.items()}
-    limits = {coordinates.find(name): limit for name, limit in ranges.items()}
+    held |= coordinates.by_coordinate(locks)
+    limits = coordinates.by_coordinate(ranges)
     forces = acting(document)
     of_springs = springs(forces, coordinates.names)
     tree_joints = {

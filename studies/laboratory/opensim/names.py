@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from typing import TypeVar
 
 from ...files.errors import ScenarioError
 from ...files.quote import shown
@@ -12,6 +13,7 @@ from .joints import ReadJoint
 
 # what the name of a joint or a muscle here may not have
 _NO_LETTER = re.compile("[^A-Za-z0-9]+")
+_Value = TypeVar("_Value")
 _SIDES = ("r", "l", "R", "L", "right", "left", "Right", "Left")
 
 
@@ -43,6 +45,16 @@ class Coordinates:
             f"{shown(called)} {'has more than one coordinate' if found else 'is no joint and no coordinate'}; "
             f"there are {listed(among) or 'none'}"
         )
+
+    def by_coordinate(self, given: Mapping[str, _Value]) -> dict[str, _Value]:
+        """What is given by any names, by coordinate. ScenarioError as above, and if two names are of one coordinate."""
+        names: dict[str, str] = {}
+        for name in given:
+            if (before := names.setdefault(self.find(name), name)) != name:
+                raise ScenarioError(
+                    f"{shown(before)} and {shown(name)} are one coordinate, {self.find(name)}; it can be given once"
+                )
+        return {coordinate: given[name] for coordinate, name in names.items()}
 
 
 def plain(name: str) -> str:

@@ -80,6 +80,24 @@ def test_a_joint_that_no_muscle_moves_is_told(command: Command) -> None:
             ["--lock", "wrist=1"],
             f"{MODEL}: 'wrist' is no joint and no coordinate; there are r_shoulder_elev, r_elbow_flex",
         ),
+        (["--lock", "elbow=1", "--lock", "elbow=2"], "--lock elbow is given twice"),
+        (
+            ["--lock", "elbow=1", "--lock", "r_elbow_flex=2"],
+            f"{MODEL}: 'elbow' and 'r_elbow_flex' are one coordinate, r_elbow_flex; it can be given once",
+        ),
+        (
+            ["--range", "r_elbow=0:1", "--range", "elbow=0:2"],
+            f"{MODEL}: 'r_elbow' and 'elbow' are one coordinate, r_elbow_flex; it can be given once",
+        ),
+        (
+            ["--range", "elbow=5:125"],
+            f"{MODEL}: joints.elbow.range[1] must be at most 12, not 125 (rad; is it in degrees?)",
+        ),
+        (
+            ["--lock", "shoulder=-30"],
+            f"{MODEL}: joints.shoulder.locked must be at least -12, not -30 (rad; is it in degrees?)",
+        ),
+        (["--order", "3"], "--order is that of --fit, which is not asked for"),
         (["--range", "elbow=1"], "--range elbow must be LOW:HIGH, not '1'"),
         (["--range", "elbow=1:x"], "--range elbow must be a number, not 'x'"),
         (["--muscles", ","], "--muscles must be names with commas between"),

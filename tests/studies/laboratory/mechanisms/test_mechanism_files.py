@@ -248,7 +248,9 @@ WRONG = {
         "joints", "shoulder", "type", to="ball"
     ),
     "joints.shoulder.axis is missing": change("joints", "shoulder", "axis"),
-    "joints.shoulder.range[1] must be at most 12, not 90": change("joints", "shoulder", "range", to=[0, 90]),
+    "joints.shoulder.range[1] must be at most 12, not 90 (rad; is it in degrees?)": change(
+        "joints", "shoulder", "range", to=[0, 90]
+    ),
     "joints.shoulder.prescribed must be true or false, not 1": change("joints", "shoulder", "prescribed", to=1),
     "unknown key 'joints.wrist.axis'": change("joints", "wrist", to={**WELDED, "child": "upper", "axis": [0, 0, 1]}),
     "a mechanism needs a muscle or more": change("muscles"),
