@@ -147,11 +147,17 @@ def _check_joint(name: str, joint: Joint, links: Mapping[str, Link]) -> None:
         raise TreeError(f"joint {name}: its range must rise, not go from {joint.range[0]:g} to {joint.range[1]:g}")
 
 
+# of a symmetric matrix
+_MOMENTS = 6
 # of the largest: what is less is rounding of a number with six digits
 _ROUNDING = 1e-5
 
 
 def _check_link(name: str, link: Link) -> None:
+    if len(link.inertia) != _MOMENTS:
+        raise TreeError(
+            f"link {name}: its inertia has {_MOMENTS} numbers, xx, yy, zz, xy, xz, yz, not {len(link.inertia)}"
+        )
     principal = np.linalg.eigvalsh(link.tensor)
     if principal[0] < -_ROUNDING * abs(principal).max():
         raise TreeError(
