@@ -45,7 +45,7 @@ class Joint:
     other; the other, by child_at and child_orientation, to the child. The coordinate is the angle in rad or the shift;
     its spring and damper make the force −stiffness (q − rest) − damping q̇. Where it is locked it is that number;
     where it is prescribed something else moves it, whatever pulls. range: what it may be. alias: another name for its
-    coordinate, as OpenSim's files have it.
+    coordinate, and opensim: for itself, as OpenSim's files have it.
     """
 
     parent: str
@@ -63,6 +63,7 @@ class Joint:
     locked: float | None = None
     prescribed: bool = False
     alias: str = ""
+    opensim: str = ""
 
     @property
     def moves(self) -> bool:

@@ -225,6 +225,12 @@ def test_the_report_has_a_column_for_each_muscle(hinge: xr.Dataset) -> None:
         assert cell in page
 
 
+def test_results_for_opensim_have_the_names_of_the_model() -> None:
+    columns = subject_of(HINGE).columns
+    assert columns.opensim["angle_elbow"] == "/jointset/r_elbow/r_elbow_flex/value"
+    assert columns.opensim["force_BRA"] == "/forceset/BRA|tendon_force"
+
+
 def test_what_moves_a_prescribed_joint_is_not_known() -> None:
     data = estimate(DATA / "dynamometer_noisy.csv.gz", DYNAMOMETER, "high_gain", keep_every=100)
     assert data.disturbance_hat.isnull().all()

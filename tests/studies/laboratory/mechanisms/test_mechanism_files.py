@@ -158,6 +158,7 @@ def _joint(draw: st.DrawFn, kind: str, at: int) -> Joint:
         locked,
         locked is None and draw(st.booleans()),
         draw(st.sampled_from(["", "r_elbow_flex"])),
+        draw(st.sampled_from(["", "r_elbow"])),
     )
 
 
