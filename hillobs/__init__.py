@@ -18,6 +18,7 @@ TYPE_CHECKING = False  # `typing` takes longer to import than all of this
 if TYPE_CHECKING:
     from .codegen.cache import BuildError, CacheWarning
     from .model.block import Block, BlockError, Parameter, Symbols, symbols
+    from .model.curves import CURVES
     from .model.errors import Error
     from .model.skeleton.paths import Path, constant_moment_arms, polynomial
     from .model.skeleton.tree import Joint, Link, Tree, TreeError
@@ -43,6 +44,7 @@ if TYPE_CHECKING:
 _NAMES = {
     ".codegen.cache": ("BuildError", "CacheWarning"),
     ".model.block": ("Block", "BlockError", "Parameter", "Symbols", "symbols"),
+    ".model.curves": ("CURVES",),
     ".model.errors": ("Error",),
     ".model.skeleton.paths": ("Path", "constant_moment_arms", "polynomial"),
     ".model.skeleton.tree": ("Joint", "Link", "Tree", "TreeError"),
@@ -82,6 +84,7 @@ def __dir__() -> list[str]:
 
 
 __all__ = [
+    "CURVES",
     "Block",
     "BlockError",
     "BuildError",

@@ -15,8 +15,8 @@ from .skeleton.paths import Path, moment_arms
 from .skeleton.tree import PIN, Tree
 from .system import Expressions, System
 
-# how far a joint goes that has no range, in rad or reference lengths
-_ANYWHERE = 3.0
+# how far a joint goes that has no range, in rad or reference lengths, and one that turns round and round
+_ANYWHERE, _ROUND = 3.0, 1e4
 # places along the range of each joint at which muscles are measured
 _PLACES = 5
 
@@ -52,12 +52,12 @@ class _Laws:
         L = ca.vertcat(*(path.length(at) for path in paths))
         motion = equation_of_motion(tree, at, speeds)
         free = [joints.index(name) for name in tree.free]
-        M = motion.M[free, free]
-        # M q̈ = R F − h; what is prescribed moves as if it kept its velocity
-        acc, forces = ca.SX(len(joints), 1), ca.SX(len(joints), 1)
+        # M q̈ = R F − h; what is prescribed moves as if it kept its velocity, and Δ of it is its acceleration
+        acc, forces = ca.SX(len(joints), 1), ca.SX.nan(len(joints), 1)
         if free:
-            acc[free] = _solved(M, (moment_arms(L, q) @ F - motion.h)[free])
-            forces[free] = M @ Delta[free]
+            acc[free] = _solved(motion.M[free, free], (moment_arms(L, q) @ F - motion.h)[free])
+            # M_ff Δ_f + M_fp q̈_p: nobody knows the force that moves what is prescribed
+            forces[free] = motion.M[free, :] @ Delta
         self._lengths = ca.Function("lengths", [q], [L])
         self._accelerations = ca.Function("accelerations", [q, dq, F], [acc])
         self._forces = ca.Function("forces", [q, Delta], [forces])
@@ -85,10 +85,10 @@ def _ranges(tree: Tree) -> list[tuple[float, float]]:
 
 
 def _reaches(tree: Tree) -> dict[str, float]:
-    """How far each joint can be from 0; a pin without a range may turn."""
+    """How far each joint can be from 0."""
     largest = (max(map(abs, limits)) for limits in _ranges(tree))
     return {
-        name: max(most, _ANYWHERE) if tree.joints[name].kind == PIN else most
+        name: most if tree.joints[name].kind != PIN else max(most, _ANYWHERE) if tree.joints[name].range else _ROUND
         for name, most in zip(tree.coordinates, largest, strict=True)
     }
 

@@ -44,6 +44,13 @@ def equation_of_motion(tree: Tree, q: Mapping[str, ca.SX], dq: Mapping[str, ca.S
     return Motion(M, h + ca.vertcat(*passive))
 
 
+def mass_matrix(tree: Tree, q: Mapping[str, float]) -> Array:
+    """M (n × n) at the coordinates q, by the joint's name."""
+    still = {name: ca.SX(0) for name in tree.coordinates}
+    motion = equation_of_motion(tree, {name: ca.SX(q[name]) for name in tree.coordinates}, still)
+    return np.array(ca.evalf(ca.densify(motion.M)), dtype=float)
+
+
 def _forces(
     chain: Sequence[Body],
     gravity: Sequence[float],

@@ -39,6 +39,8 @@ class Path:
 
 def polynomial(joints: Sequence[str], order: int, coefficients: Sequence[float]) -> Path:
     """Of all exponents with a sum of at most `order`, the last joint's rising fastest. TreeError if not as many."""
+    if order < 0:
+        raise TreeError(f"the order of a polynomial must be at least 0, not {order}")
     terms = math.comb(order + len(joints), order)
     if len(coefficients) != terms:
         raise TreeError(

@@ -45,7 +45,7 @@ class Joint:
     other; the other, by child_at and child_orientation, to the child. The coordinate is the angle in rad or the shift;
     its spring and damper make the force −stiffness (q − rest) − damping q̇. Where it is locked it is that number;
     where it is prescribed something else moves it, whatever pulls. range: what it may be. alias: another name for its
-    coordinate, as OpenSim's files have it.
+    coordinate, and opensim: for itself, as OpenSim's files have it.
     """
 
     parent: str
@@ -63,6 +63,7 @@ class Joint:
     locked: float | None = None
     prescribed: bool = False
     alias: str = ""
+    opensim: str = ""
 
     @property
     def moves(self) -> bool:
@@ -147,11 +148,17 @@ def _check_joint(name: str, joint: Joint, links: Mapping[str, Link]) -> None:
         raise TreeError(f"joint {name}: its range must rise, not go from {joint.range[0]:g} to {joint.range[1]:g}")
 
 
+# of a symmetric matrix
+_MOMENTS = 6
 # of the largest: what is less is rounding of a number with six digits
 _ROUNDING = 1e-5
 
 
 def _check_link(name: str, link: Link) -> None:
+    if len(link.inertia) != _MOMENTS:
+        raise TreeError(
+            f"link {name}: its inertia has {_MOMENTS} numbers, xx, yy, zz, xy, xz, yz, not {len(link.inertia)}"
+        )
     principal = np.linalg.eigvalsh(link.tensor)
     if principal[0] < -_ROUNDING * abs(principal).max():
         raise TreeError(

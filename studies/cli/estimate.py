@@ -145,10 +145,8 @@ def estimate(
         if not no_figures:
             paths += write_figures(drawn, folder, _STEM)
     say(*notes(dataset), timing(dataset, reading, building, following), err=as_json)
-    if chosen is None:
-        say(
-            "--observer kalman also says what noise leaves open, smooths, and judges recording and muscles", err=as_json
-        )
+    if chosen is None and subject.pair:
+        say(_KALMAN_TOO, err=as_json)
     if subject.pair and KALMAN in dataset.observer and not no_verdict:
         with _noting_what_is_kept(folder), bar("weighing") as progress:
             found = judged(read, subject.pair, dataset, progress)

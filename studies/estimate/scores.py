@@ -71,7 +71,9 @@ def _scores(late: xr.Dataset) -> Iterator[Score]:
             together = _together(late, dim) if len(set(own.values())) <= 1 else None
             parts = {} if together is None else {together: error}
             parts |= {str(label): error.sel({dim: label}) for label in (error[dim].values.tolist() if dim else ())}
-            for muscle, part in parts.items():
+            # the force that moves a prescribed joint is not known
+            told = {name: part for name, part in parts.items() if observer in failed or part.notnull().any()}
+            for muscle, part in told.items():
                 rmse, peak = float(np.sqrt((part**2).mean())), float(np.abs(part).max())
                 if observer in failed:
                     rmse = peak = math.nan

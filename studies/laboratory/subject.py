@@ -212,7 +212,7 @@ def _columns(mechanism: Mechanism) -> tuple[dict[str, tuple[str, ...]], Columns]
         for joint, column in zip(joints, names[quantity], strict=True):
             alias = mechanism.tree.joints[joint].alias or joint
             if below := _COORDINATE.get(quantity):
-                opensim[column] = f"/jointset/{joint}/{alias}{below}"
+                opensim[column] = f"/jointset/{mechanism.tree.joints[joint].opensim or joint}/{alias}{below}"
                 theirs[re.compile(rf"/jointset/[^/]+/{re.escape(alias)}{re.escape(below)}")] = column
             else:
                 opensim[column] = f"/forceset/{column}|actuation"

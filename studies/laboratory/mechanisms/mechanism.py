@@ -6,6 +6,9 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+import numpy as np
+
+from ....model.skeleton.newton_euler import mass_matrix
 from ....model.skeleton.paths import Path
 from ....model.skeleton.tree import Tree
 from ...files.errors import ScenarioError
@@ -20,7 +23,8 @@ _NAME = re.compile(r"(?=.{1,30}$)[A-Za-z][A-Za-z0-9]*(_[A-Za-z0-9]+)*")
 class Mechanism:
     """kg, m, rad, N; `paths` are the muscles' lengths in m over the coordinates of the tree's joints, by muscle.
 
-    ScenarioError if a path is missing, or crosses a joint that has no coordinate, or for a name that is none.
+    ScenarioError if a path is missing, or crosses a joint that has no coordinate, for a name that is none, or if
+    nothing moves, or something without a mass.
     """
 
     tree: Tree
@@ -36,6 +40,10 @@ class Mechanism:
                 raise ScenarioError(
                     f"{shown(name)} is no name for a joint or a muscle: letters, digits, single _ between, at most 30"
                 )
+        if not self.tree.coordinates:
+            raise ScenarioError("all joints are locked or weld their links: nothing moves that could be estimated")
+        if idle := _carries_nothing(self.tree):
+            raise ScenarioError(f"joint {idle} moves no mass; give the links beyond it a mass and an inertia")
         if both := [name for name in self.muscles if name in self.tree.coordinates]:
             raise ScenarioError(f"a muscle and a joint are both called {both[0]}")
         if missing := [name for name in self.muscles if name not in self.paths]:
@@ -46,3 +54,10 @@ class Mechanism:
                 raise ScenarioError(
                     f"muscles.{name}.path crosses {unknown[0]}, which is no moving joint; there are {known}"
                 )
+
+
+def _carries_nothing(tree: Tree) -> str:
+    """The first free joint that turns or shifts no mass, in the middle of all ranges; empty if there is none."""
+    ranges = {name: tree.joints[name].range for name in tree.coordinates}
+    inertias = np.diag(mass_matrix(tree, {name: sum(limits) / 2 if limits else 0.0 for name, limits in ranges.items()}))
+    return next((name for name, own in zip(ranges, inertias, strict=True) if name in tree.free and not own > 0), "")

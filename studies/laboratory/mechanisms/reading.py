@@ -103,7 +103,7 @@ def _joint(where: str, table: Mapping[str, object]) -> Joint:
     if not isinstance(kind, str) or kind not in KINDS:
         raise ScenarioError(f"{where}.type must be one of {', '.join(KINDS)}, not {shown(kind)}")
     moving = MOVING.get(kind, {})
-    words = ["type", "parent", "child", *(["coordinate"] if kind != WELD else [])]
+    words = ["type", "parent", "child", *(["coordinate", "opensim"] if kind != WELD else [])]
     refuse_unknown(table, [*words, *FRAMES, *moving, *(["prescribed"] if moving else [])], f"{where}.")
     refuse_missing([f"{where}.axis"] if moving and "axis" not in table else [])
     known = {**FRAMES, **moving}

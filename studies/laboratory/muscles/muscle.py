@@ -43,9 +43,10 @@ SCALED: Mapping[str, str] = {
 
 @dataclass(frozen=True)
 class Muscle:
-    """F_max N, lengths m, v_max in own optimal fibre lengths per second; `numbers` are those of the curve set.
+    """F_max N, lengths m, v_max in own optimal fibre lengths per second.
 
-    sds: standard deviations of numbers that are known only so well, in their units. pennation: rad.
+    numbers: those of the curve set, its defaults where left out. sds: standard deviations of numbers that are known
+    only so well, in their units. pennation: rad.
     ScenarioError for what is no number, or beyond the ranges of docs/recordings.md.
     """
 
@@ -54,20 +55,22 @@ class Muscle:
     optimal_fibre_length: float
     tendon_slack_length: float
     v_max: float
-    numbers: Mapping[str, float]
+    numbers: Mapping[str, float] = field(default_factory=dict)
     sds: Mapping[str, float] = field(default_factory=dict)
     pennation: float = PENNATION.default
 
     def __post_init__(self) -> None:
         if not isinstance(self.curves, CurveSet):
-            raise ScenarioError(f"curves must be those of a muscle file, not {shown(self.curves)}")
+            raise ScenarioError(f"curves must be those of a muscle file or of hillobs.CURVES, not {shown(self.curves)}")
         given, known = table("numbers", self.numbers), numbers_of(self.curves)
-        if sorted(given) != sorted(known):
-            raise ScenarioError(f"numbers must be {', '.join(known)}, not {', '.join(map(shown, given))}")
+        if odd := [key for key in given if key not in known]:
+            raise ScenarioError(f"numbers must be of {', '.join(known)}, not of {shown(odd[0])}")
         own = {**SIZES, "pennation": PENNATION}
         for key, parameter in own.items():
             object.__setattr__(self, key, within(key, getattr(self, key), parameter))
-        object.__setattr__(self, "numbers", {key: within(key, given[key], known[key]) for key in known})
+        object.__setattr__(
+            self, "numbers", {key: within(key, given.get(key, known[key].default), known[key]) for key in known}
+        )
         object.__setattr__(self, "sds", deviations(self.sds, self.values, {**own, **known}))
 
     @property

@@ -104,7 +104,9 @@ def _model(
     forces = acting(document)
     of_springs = springs(forces, coordinates.names)
     tree_joints = {
-        coordinates.joint_names[joint.name]: _limited(sprung(joint.held(held), of_springs), limits)
+        coordinates.joint_names[joint.name]: _limited(
+            sprung(_renamed(joint, joint.held(held), coordinates), of_springs), limits
+        )
         for joint in of_joints
     }
     gravity = vector(document.component(document.model).numbers("gravity", 3, _GRAVITY))
@@ -152,6 +154,12 @@ def _check_units(document: Document) -> None:
         given = document.component(document.model).words(tag) or units[0]
         if given.lower() not in units:
             raise ScenarioError(f"{tag} must be {units[0]}, not {shown(given)}")
+
+
+def _renamed(read: ReadJoint, joint: Joint, coordinates: Coordinates) -> Joint:
+    """It remembers the model's name, where it has another."""
+    moves = joint.alias and coordinates.joint_names[read.name] != read.name
+    return replace(joint, opensim=read.name) if moves else joint
 
 
 def _limited(joint: Joint, limits: Mapping[str, tuple[float, float]]) -> Joint:

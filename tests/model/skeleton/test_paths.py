@@ -48,3 +48,5 @@ def test_another_unit_of_length_and_of_a_slider() -> None:
 def test_a_wrong_number_of_coefficients_is_one_sentence() -> None:
     with pytest.raises(TreeError, match="a polynomial of order 2 in a, b has 6 coefficients, not 5"):
         polynomial(["a", "b"], 2, [1.0] * 5)
+    with pytest.raises(TreeError, match="the order of a polynomial must be at least 0, not -1"):
+        polynomial(["a"], -1, [])

@@ -19,6 +19,7 @@ WRONG = [
     ({"a": ROD}, {"j": Joint(GROUND, "a", axis=(0, 0, 0))}, "joint j: its axis is 0 0 0, which has no direction"),
     ({"a": ROD}, {"j": Joint(GROUND, "a", kind="ball")}, "joint j: its type is one of pin, slider, weld, not 'ball'"),
     ({"a": ROD}, {"j": Joint(GROUND, "a", range=(1, 1))}, "joint j: its range must rise, not go from 1 to 1"),
+    ({"a": Link(1, inertia=(1, 1, 1))}, {"j": Joint(GROUND, "a")}, "link a: its inertia has 6 numbers, xx, yy, zz,"),
     ({"a": Link(1, inertia=(1, 1, -1, 0, 0, 0))}, {"j": Joint(GROUND, "a")}, "link a: its inertia is not positive"),
     ({"a": Link(1, inertia=(1, 1, 1, 2, 0, 0))}, {"j": Joint(GROUND, "a")}, "link a: its inertia is not positive"),
 ]

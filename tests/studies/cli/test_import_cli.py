@@ -29,6 +29,7 @@ def test_it_prints_what_was_taken_and_writes_it(command: Command, tmp_path: Path
     assert out.endswith("written to ./: arm.toml\n")
     arm = read_mechanism(tmp_path / "arm.toml")
     assert arm.tree.coordinates == ("shoulder", "elbow")
+    assert arm.tree.joints["elbow"].opensim == "r_elbow"
     assert "Creative Commons (CCBY 3.0)" in arm.description
 
 

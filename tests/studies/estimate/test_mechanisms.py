@@ -11,9 +11,11 @@ import xarray as xr
 from matplotlib.transforms import Bbox
 
 import hillobs
+from hillobs.model.block import Symbols
 from hillobs.model.skeleton.paths import constant_moment_arms
 from hillobs.model.skeleton.tree import GROUND, PIN, SLIDER, Joint, Link, Tree
 from hillobs.studies.cli.reports.estimates.estimate import score_cells
+from hillobs.studies.cli.reports.estimates.estimate_page import estimate_page
 from hillobs.studies.cli.reports.estimates.verdict import answer
 from hillobs.studies.cli.reports.number import number
 from hillobs.studies.estimate.files import save_estimates
@@ -214,8 +216,51 @@ def test_a_mechanism_asks_for_a_joint() -> None:
         name: dataclasses.replace(joint, locked=0.3, prescribed=False) for name, joint in mechanism.tree.joints.items()
     }
     tree = dataclasses.replace(mechanism.tree, joints=still)
-    with pytest.raises(ScenarioError, match="which is no moving joint; there are none"):
+    with pytest.raises(ScenarioError, match="nothing moves that could be estimated"):
         dataclasses.replace(mechanism, tree=tree)
+
+
+def test_a_joint_without_a_range_may_turn_round_and_round() -> None:
+    mechanism = read_mechanism(HINGE)
+    turning = {name: dataclasses.replace(joint, range=None) for name, joint in mechanism.tree.joints.items()}
+    subject = subject_of(dataclasses.replace(mechanism, tree=dataclasses.replace(mechanism.tree, joints=turning)))
+    assert subject.system.reach("elbow", Symbols()) > 100 * 2 * np.pi
+
+
+def test_the_report_has_a_column_for_each_muscle(hinge: xr.Dataset) -> None:
+    page = estimate_page(hinge, scores(hinge), [], b"").decode()
+    for cell in (">TRIlat</th>", ">BRA</th>", "joints.elbow.range", "both muscles together"):
+        assert cell in page
+
+
+def test_results_for_opensim_have_the_names_of_the_model() -> None:
+    columns = subject_of(HINGE).columns
+    assert columns.opensim["angle_elbow"] == "/jointset/r_elbow/r_elbow_flex/value"
+    assert columns.opensim["force_BRA"] == "/forceset/BRA|tendon_force"
+
+
+def test_what_moves_a_prescribed_joint_is_not_known() -> None:
+    data = estimate(DATA / "dynamometer_noisy.csv.gz", DYNAMOMETER, "high_gain", keep_every=100)
+    assert data.disturbance_hat.isnull().all()
+    assert np.isfinite(data.velocity_hat).all()
+    assert "disturbance" not in {score.quantity for score in scores(data)}
+
+
+def test_the_acceleration_of_a_prescribed_joint_counts_in_the_others_torques() -> None:
+    """M q̈ + h = R F + torque for the free joint, whatever both accelerations are."""
+    arm = read_mechanism(RECORDINGS / "arm.toml")
+    shoulder = dataclasses.replace(arm.tree.joints["shoulder"], prescribed=True)
+    tree = dataclasses.replace(arm.tree, joints={**arm.tree.joints, "shoulder": shoulder})
+    laws, free = (subject_of(dataclasses.replace(arm, tree=of)).laws for of in (tree, arm.tree))
+    random = np.random.default_rng(3)
+    q, dq, Delta = random.uniform(0.1, 0.5, (3, 20, 2))
+    F = random.uniform(0.1, 0.5, (20, 6))
+    torques = laws.forces(q, Delta)
+    assert np.isnan(torques[:, 0]).all()
+    # where both are free these accelerations need the torque M (q̈ − α)
+    ddq = laws.accelerations(q, dq, F) + Delta
+    expected = free.forces(q, ddq - free.accelerations(q, dq, F))
+    np.testing.assert_allclose(torques[:, 1], expected[:, 1], atol=1e-12 * np.abs(expected).max())
 
 
 def test_a_pair_has_no_columns_of_joints(short: Recording) -> None:

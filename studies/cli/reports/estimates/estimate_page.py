@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from typing import cast
 
 import xarray as xr
 
@@ -13,6 +14,8 @@ from ....estimate.scores import SETTLED, Score
 from ..web import image, listed, page, section, table
 from .estimate import failures, notes, score_cells
 
+# as long as an inertia
+_VECTOR = 6
 _SHEET = (
     "Measured above; below for each observer its estimates beside the truth, dashed where it is known, their errors, "
     "and the innovations: what the estimates leave unexplained of position and tendon lengths."
@@ -29,7 +32,7 @@ def _sections(dataset: xr.Dataset, scores: Sequence[Score], verdict: Sequence[st
         yield section("Verdict", listed(first))
     if scores:
         head, *rows = score_cells(scores)
-        caption = f"Root mean square errors after {SETTLED:g} s, both muscles together"
+        caption = f"Root mean square errors after {SETTLED:g} s, {_together(dataset)}"
         yield section("How far from the truth", table(rows, head, caption))
     yield section("Estimates", image(sheet, _SHEET))
     yield section("How they were made", listed(notes(dataset)))
@@ -49,11 +52,16 @@ def _sections(dataset: xr.Dataset, scores: Sequence[Score], verdict: Sequence[st
 
 
 def _muscles(content: dict[str, object]) -> Iterator[str]:
-    """What both muscles share, and a column for each; `content` is that of a muscle file."""
-    each = [dict(_rows(content.pop(name))) for name in MUSCLES]
+    """What the muscles share, and a column for each; `content` is that of a file of muscles or of a mechanism."""
+    tables = content.pop("muscles") if "muscles" in content else {name: content.pop(name) for name in MUSCLES}
+    each = {name: dict(_rows(own)) for name, own in cast(Mapping[str, object], tables).items()}
     yield table(_rows(content), caption="in SI", words_in=True)
-    names = dict.fromkeys(name for muscle in each for name in muscle)
-    yield table([(name, *(muscle.get(name, "–") for muscle in each)) for name in names], ["", *MUSCLES])
+    names = dict.fromkeys(name for muscle in each.values() for name in muscle)
+    yield table([(name, *(muscle.get(name, "–") for muscle in each.values())) for name in names], ["", *each])
+
+
+def _together(dataset: xr.Dataset) -> str:
+    return "both muscles together" if dataset.sizes["muscle"] == len(MUSCLES) else "all muscles together"
 
 
 def _rows(content: object, prefix: str = "") -> Iterator[tuple[str, str]]:
@@ -62,7 +70,14 @@ def _rows(content: object, prefix: str = "") -> Iterator[tuple[str, str]]:
         if isinstance(value, dict):
             yield from _rows(value, f"{prefix}{name}.")
         else:
-            yield prefix + name, f"{len(value)} points" if isinstance(value, list) else _plain(value)
+            yield prefix + name, _listed(value) if isinstance(value, list) else _plain(value)
+
+
+def _listed(values: list[object]) -> str:
+    """A vector in full, of longer lists how many there are."""
+    if len(values) > _VECTOR or any(isinstance(value, list) for value in values):
+        return f"{len(values)} {'points' if isinstance(values[0], list) else 'numbers'}"
+    return ", ".join(map(_plain, values))
 
 
 def _plain(value: object) -> str:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from hillobs.model.curves import DEGROOTE_FREGLY2016
@@ -121,10 +121,13 @@ DESCRIPTIONS = st.text(st.characters(exclude_categories=["Cs"], exclude_characte
 def mechanisms(draw: st.DrawFn) -> Mechanism:
     """Chains of pins, sliders and welds with muscles along all of them."""
     kinds = draw(st.lists(st.sampled_from([PIN, SLIDER, WELD]), min_size=1, max_size=4))
-    links = {f"l {at}": Link(draw(POSITIVE), draw(PLACE), (1.0, 1.0, 1.0, 0, 0, 0)) for at in range(len(kinds))}
+    links = {
+        f"l {at}": Link(draw(st.floats(0.1, 1e3)), draw(PLACE), (1.0, 1.0, 1.0, 0, 0, 0)) for at in range(len(kinds))
+    }
     joints = {f"j{at}": draw(_joint(kind, at)) for at, kind in enumerate(kinds)}
     tree = Tree(links, joints, draw(PLACE))
-    crossed = draw(st.lists(st.sampled_from(tree.coordinates), unique=True, max_size=3)) if tree.coordinates else []
+    assume(tree.coordinates)
+    crossed = draw(st.lists(st.sampled_from(tree.coordinates), unique=True, max_size=3))
     arms = {joint: draw(numbers(-9, 9)) for joint in crossed}
     paths = {"m1": constant_moment_arms(draw(st.floats(0.01, 9)), arms), "m2": draw(_polynomial(crossed))}
     defaults = {key: parameter.default for key, parameter in numbers_of(DEGROOTE_FREGLY2016).items()}
@@ -155,6 +158,7 @@ def _joint(draw: st.DrawFn, kind: str, at: int) -> Joint:
         locked,
         locked is None and draw(st.booleans()),
         draw(st.sampled_from(["", "r_elbow_flex"])),
+        draw(st.sampled_from(["", "r_elbow"])),
     )
 
 
@@ -255,6 +259,7 @@ WRONG = {
     "unknown key 'joints.wrist.axis'": change("joints", "wrist", to={**WELDED, "child": "upper", "axis": [0, 0, 1]}),
     "a mechanism needs a muscle or more": change("muscles"),
     "muscle BRA has no path": change(*PATH),
+    "joint reach moves no mass; give the links beyond it a mass": change("links", "lower", "mass", to=0),
     "muscles.BRA.path crosses wrist, which is no moving joint; there are shoulder, reach": change(
         *PATH, to={"length": 0.2, "moment_arms": {"wrist": 0.01}}
     ),
