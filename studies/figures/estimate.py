@@ -106,6 +106,8 @@ def _panels(thin: xr.Dataset) -> list[Panel]:
         return [
             Panel(variable, f"{words}\n{name}{unit_of if name else ''}{unit}", factor, joint=joint, true=true)
             for joint, own in _units(thin, variable).items()
+            # nobody knows what moves a prescribed joint
+            if not joint or thin[variable].sel(joint=joint).notnull().any()
             for name in [_wrapped(joint, _ROW) or alone]
             for unit, factor in [_on_paper(own)]
         ]

@@ -244,6 +244,9 @@ def test_what_moves_a_prescribed_joint_is_not_known() -> None:
     assert data.disturbance_hat.isnull().all()
     assert np.isfinite(data.velocity_hat).all()
     assert "disturbance" not in {score.quantity for score in scores(data)}
+    labels = [axes.get_ylabel() for axes in estimate_sheet(data).axes]
+    assert any(label.startswith("velocity") for label in labels)
+    assert not any(label.startswith("external") for label in labels)
 
 
 def test_the_acceleration_of_a_prescribed_joint_counts_in_the_others_torques() -> None:
