@@ -34,7 +34,7 @@ def main() -> None:
 
 
 def _answer(request: dict[str, Any], points: Any) -> dict[str, Any]:
-    import opensim  # type: ignore[import-not-found, import-untyped, unused-ignore]
+    import opensim
 
     opensim.Logger.setLevelString("off")
     opensim.Logger.removeFileSink()

@@ -20,6 +20,7 @@ from places import DATA
 
 Command = Callable[..., tuple[int, str, str]]
 HERE = importlib.util.find_spec("opensim") is not None
+# an extra of its own: its wheel carries another CasADi; all else is tested with a stand-in
 needs_opensim = pytest.mark.skipif(not HERE, reason="OpenSim is not installed")
 
 REQUEST = FitRequest(
