@@ -1,4 +1,4 @@
-"""The shipped recording estimated once, the beginning of it, and a clean recording of two unlike muscles."""
+"""The shipped recording and a hinge's estimated once, and a clean recording of two unlike muscles."""
 
 from pathlib import Path
 
@@ -11,12 +11,18 @@ from hillobs.studies.files.tables import Series, write_csv
 from hillobs.studies.laboratory.muscles import read_muscles
 from hillobs.studies.laboratory.recording import Recording, read_recording
 from hillobs.studies.laboratory.scales import scales
-from shipped_recording import ALL_OBSERVERS, MUSCLES, SHIPPED, UNLIKE_MUSCLES, part
+from places import DATA
+from shipped_recording import ALL_OBSERVERS, CHAINS, HINGE, MUSCLES, SHIPPED, UNLIKE_MUSCLES, part
 
 
 @pytest.fixture(scope="session")
 def noisy() -> xr.Dataset:
     return estimate(SHIPPED, MUSCLES, ALL_OBSERVERS)
+
+
+@pytest.fixture(scope="session")
+def hinge() -> xr.Dataset:
+    return estimate(DATA / "hinge_pair_noisy.csv.gz", HINGE, CHAINS)
 
 
 @pytest.fixture(scope="session")

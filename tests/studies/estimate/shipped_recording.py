@@ -1,4 +1,4 @@
-"""The shipped noisy recording, parts of it and the errors of its estimates; the file of two unlike muscles."""
+"""The shipped noisy recording, its parts and the errors of its estimates; files of muscles and of mechanisms."""
 
 import dataclasses
 from pathlib import Path
@@ -13,6 +13,8 @@ from places import RECORDINGS
 
 SHIPPED, MUSCLES = RECORDINGS / "dgf_smooth_noisy.csv.gz", RECORDINGS / "dgf_smooth.toml"
 ALL_OBSERVERS = list(OBSERVERS)
+HINGE, DYNAMOMETER = RECORDINGS / "hinge_pair.toml", RECORDINGS / "dynamometer.toml"
+CHAINS = ("high_gain", "high_gain_3", "kalman_constant", "sliding_mode", "adaptive_sliding_mode")
 
 UNLIKE_MUSCLES = """
 mass = 12.0
