@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from rich.table import Table
-from rich.text import Text
 
 from ...errata.printed import CONTROLLER, OBSERVER
 from ...errata.run import Estimation, Joint, Result, Tracking
 from .number import number
+from .plain import plain_table
 
 
 def tables(results: Sequence[Result]) -> Iterator[Table]:
@@ -24,7 +24,7 @@ def tables(results: Sequence[Result]) -> Iterator[Table]:
 
 def _legend() -> Table:
     rows = [(name, e.where, e.printed, e.correct) for name, e in (CONTROLLER | OBSERVER).items()]
-    return _table("What is printed", ("", "where", "printed", "must be"), rows, left=4)
+    return plain_table("What is printed", ("", "where", "printed", "must be"), rows, words=4)
 
 
 def _tracking_table(results: Sequence[Tracking]) -> Table:
@@ -33,7 +33,7 @@ def _tracking_table(results: Sequence[Tracking]) -> Table:
     for r in results:
         errors = [number(value) for value in (r.largest, r.rms, r.periodic, r.periodic_rms)]
         rows.append((r.variant.name, *errors, r.failure or f"{r.periodic / r.amplitude:.2%}"))
-    return _table("Tracking error |x₁ − r|", head, rows)
+    return plain_table("Tracking error |x₁ − r|", head, rows)
 
 
 def _estimation_table(results: Sequence[Estimation]) -> Table:
@@ -48,7 +48,7 @@ def _estimation_table(results: Sequence[Estimation]) -> Table:
         )
         for r in results
     ]
-    return _table("Errors of the adaptive sliding mode observer (as printed: O8 read as meant)", head, rows)
+    return plain_table("Errors of the adaptive sliding mode observer (as printed: O8 read as meant)", head, rows)
 
 
 def _limits(guards: Mapping[str, float]) -> str:
@@ -58,20 +58,10 @@ def _limits(guards: Mapping[str, float]) -> str:
 def _nearest_table(results: Sequence[Estimation]) -> Table:
     head = ("observer", "Δ̂ is", "û₁ is", "û₂ is")
     rows = [(r.variant.name, *(f"{n.signal} ± {number(n.distance)}" for n in r.nearest.values())) for r in results]
-    return _table("What its estimates are (± root mean square of the difference)", head, rows, left=4)
+    return plain_table("What its estimates are (± root mean square of the difference)", head, rows, words=4)
 
 
 def _joint_table(results: Sequence[Joint]) -> Table:
     head = ("toe of Φ_S", "printed, exact", "meant", "rounding in double precision")
     rows = [(r.where, f"{float(r.printed):.12g}", f"{float(r.meant):g}", number(r.rounding)) for r in results]
-    return _table("The printed decimals of Φ_S", head, rows)
-
-
-def _table(title: str, head: Sequence[str], rows: Iterable[Sequence[str]], left: int = 1) -> Table:
-    """A plain table; the first `left` columns are words. Text, because labels like [dotla] are no markup."""
-    result = Table(title=title, title_justify="left", box=None, padding=(0, 1, 0, 0))
-    for i, name in enumerate(head):
-        result.add_column(Text(name), justify="left" if i < left else "right", no_wrap=i == 0)
-    for row in rows:
-        result.add_row(*map(Text, row))
-    return result
+    return plain_table("The printed decimals of Φ_S", head, rows)

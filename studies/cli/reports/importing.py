@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 from rich.table import Table
-from rich.text import Text
 
 from ....model.skeleton.tree import SLIDER, Joint
 from ...laboratory.mechanisms.mechanism import Mechanism
 from ...laboratory.opensim.model import OpenSimModel
 from ...laboratory.path_fit.fit import Fitted
+from .plain import plain_table
 
 _NONE = "–"
 # jumps of a muscle that are named
@@ -20,7 +20,7 @@ _FEW = 3
 
 def tables(model: OpenSimModel, mechanism: Mechanism) -> Iterator[Table]:
     """The joints with what they hold, then the muscles."""
-    yield _table(
+    yield plain_table(
         f"{model.name}: joints",
         ("joint", "type", "holds", "coordinate", "range"),
         [
@@ -35,7 +35,7 @@ def tables(model: OpenSimModel, mechanism: Mechanism) -> Iterator[Table]:
         ],
         words=5,
     )
-    yield _table(
+    yield plain_table(
         f"{model.name}: muscles",
         ("muscle", "class", "crosses", "F_max, N", "fibre, mm", "tendon, mm", "pennation, °", "v_max, 1/s"),
         [
@@ -71,7 +71,7 @@ def notes(model: OpenSimModel, mechanism: Mechanism) -> Iterator[str]:
 def fit_table(fitted: Fitted) -> Table:
     """How far the polynomials are from the geometry, in mm."""
     coordinates = list(dict.fromkeys(name for fit in fitted.fits for name in fit.arms))
-    return _table(
+    return plain_table(
         "Fit: root mean square / largest error, mm (moment arms: mm/rad, mm/m)",
         ("muscle", "length", *(f"moment arm of {name}" for name in coordinates)),
         [
@@ -117,13 +117,3 @@ def _range(joint: Joint) -> str:
 
 def _unit(joint: Joint) -> str:
     return "m" if joint.kind == SLIDER else "rad"
-
-
-def _table(title: str, head: Sequence[str], rows: Sequence[Sequence[str]], words: int) -> Table:
-    """A plain table; the first columns are words."""
-    table = Table(title=title, title_justify="left", box=None, padding=(0, 1, 0, 0))
-    for number, name in enumerate(head):
-        table.add_column(Text(name), justify="left" if number < words else "right", no_wrap=number == 0)
-    for row in rows:
-        table.add_row(*map(Text, row))
-    return table
