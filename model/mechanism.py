@@ -8,7 +8,6 @@ from collections.abc import Mapping
 import casadi as ca
 import numpy as np
 
-from .arrays import Array
 from .curves import CurveSet
 from .skeleton.newton_euler import equation_of_motion
 from .skeleton.paths import Path, moment_arms
@@ -27,7 +26,7 @@ def mechanism_system(
     """The joints of a tree and muscles along `paths`, in the units of these; pennate: muscles with oblique fibres."""
     muscles = tuple(curves)
     laws = _Laws(tree, [paths[muscle] for muscle in muscles])
-    reaches = {**_reaches(tree), **dict(zip(muscles, _longest(tree, laws), strict=True))}
+    reaches = {**_reaches(tree), **{muscle: _longest(tree, paths[muscle]) for muscle in muscles}}
     return System(
         joints=tree.coordinates,
         muscles=muscles,
@@ -71,9 +70,6 @@ class _Laws:
     def forces(self, q: Expressions, Delta: Expressions) -> list[ca.SX]:
         return ca.vertsplit(self._forces(ca.vertcat(*q), ca.vertcat(*Delta)))
 
-    def measure(self, places: Array) -> Array:
-        return np.array(self._lengths(places.T), dtype=float)
-
 
 def _solved(M: ca.SX, rhs: ca.SX) -> ca.SX:
     """M⁻¹ rhs, M symmetric and positive."""
@@ -93,8 +89,10 @@ def _reaches(tree: Tree) -> dict[str, float]:
     }
 
 
-def _longest(tree: Tree, laws: _Laws) -> list[float]:
-    """The length of each muscle where it is longest within the ranges of the joints."""
-    along = [np.linspace(*limits, _PLACES) for limits in _ranges(tree)]
-    lengths = np.abs(laws.measure(np.array(list(itertools.product(*along)))))
-    return [float(length) for length in lengths.max(axis=1)]
+def _longest(tree: Tree, path: Path) -> float:
+    """The length of a muscle where it is longest within the ranges of the joints that it crosses."""
+    q, ranges = ca.SX.sym("q", len(path.joints)), dict(zip(tree.coordinates, _ranges(tree), strict=True))
+    length = path.length(dict(zip(path.joints, ca.vertsplit(q), strict=True)))
+    along = [np.linspace(*ranges[joint], _PLACES) for joint in path.joints]
+    places = np.array(list(itertools.product(*along)))
+    return float(np.abs(np.array(ca.Function("length", [q], [length])(places.T), dtype=float)).max())

@@ -23,7 +23,7 @@ from ..laboratory.subject import subject_of
 from ..observability.map import along as rank_along
 from ..observability.map import axis_ranges, over
 from ..observability.point import Answer, answer, rest_point, start_point
-from ..observability.question import PAPER_SENSORS, Question, pose, pose_mechanism
+from ..observability.question import Question, pose, pose_mechanism
 from ..scenarios.layers import Value
 from ..scenarios.prepare import prepare
 from .reports.observability import answer_as_json, answer_table, details, ranks_along, ranks_over, summary
@@ -83,7 +83,7 @@ def observability(
             raise ScenarioError("--along, --map and --set are for scenarios; of a mechanism one point is looked at")
         sys.exit(_of_mechanism(mechanism, sensors, unknown, order, signals, limit, place or "", as_json))
     prepared = prepare(scenario, None, changes)
-    question = pose(prepared, PAPER_SENSORS if sensors is None else sensors, unknown, order, signals)
+    question = pose(prepared, sensors, unknown, order, signals)
     here = answer(question, start_point(prepared) | _place(place or "", question), limit)
     names = [] if axes is None else axes.split(",")
     if axes is not None:

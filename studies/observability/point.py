@@ -22,7 +22,7 @@ from ..laboratory.subject import Subject, subject_of
 from ..scenarios.layers import Value
 from ..scenarios.prepare import Prepared, prepare
 from .information import deviations
-from .question import PAPER_SENSORS, Question, pose, pose_mechanism
+from .question import Question, numbers_of, pose, pose_mechanism
 
 # a step either side of the point, as a part of the typical size, and the change of O that is a kink
 _BESIDE, _KINK = 1e-6, 1e-2
@@ -52,7 +52,7 @@ class Answer:
 def observability(
     source: str | Path = "paper-clean",
     place: Mapping[str, float] | None = None,
-    sensors: Sequence[str] = PAPER_SENSORS,
+    sensors: Sequence[str] | None = None,
     unknown: str = "none",
     order: int | None = None,
     changes: Mapping[str, Value] | None = None,
@@ -60,14 +60,18 @@ def observability(
 ) -> Answer:
     """What `sensors` determine at a point of a scenario: its start, with the coordinates of `place` instead.
 
-    sensors: of x1, x2, F1, F2, L_C1, L_C2. unknown: "none", "u" (Δ, u1, u2) or "a" (Δ, a1, a2), as constants.
-    mechanism: instead of a scenario; its sensors are joints and muscles by name, all of them by default, and fibres
-    such as BRA.L_C; the point is at rest in the middle of its ranges, with a fifth of F_max in each tendon.
+    place: coordinate → value, dimensionless. sensors: of x1, x2, F1, F2, L_C1, L_C2, by default x1, F1, F2. unknown:
+    "none", "u" (Δ, u1, u2) or "a" (Δ, a1, a2), as constants. order: highest Lie derivative. changes: path → value.
+    mechanism: instead of a scenario and its changes; its sensors are joints and muscles by name, all of them by
+    default, and fibres such as BRA.L_C; the point is at rest in the middle of its ranges, with a fifth of F_max in each
+    tendon, angles in rad and all else in the units that `hillobs observability --mechanism` prints.
     ScenarioError for a wrong scenario, sensor, coordinate or a point outside the domain.
     """
     if mechanism is not None:
+        if changes:
+            raise ScenarioError("changes are for scenarios; a mechanism has the numbers of its file")
         subject = subject_of(mechanism)
-        question = pose_mechanism(subject, None if sensors == PAPER_SENSORS else sensors, unknown, order)
+        question = pose_mechanism(subject, sensors, unknown, order)
         start = rest_point(subject, question)
     else:
         prepared = prepare(source, None, changes or {})
@@ -94,7 +98,7 @@ def rest_point(subject: Subject, question: Question) -> dict[str, float]:
     at_rest = {**point, **dict.fromkeys(system.muscle("u"), 0.0)}
     plain = plant(system)
     function = ca.Function("rest", [plain.x.vector(), plain.u.vector(), plain.p.vector()], [plain.y.vector()])
-    numbers = [subject.scales.numbers.get(name, parameter.default) for name, parameter in plain.parameters.items()]
+    numbers = numbers_of(plain, subject.scales.numbers)
     outputs = function([at_rest[name] for name in plain.x], [at_rest.get(name, 0.0) for name in plain.u], numbers)
     told = dict(zip(plain.y, np.array(outputs, dtype=float).ravel().tolist(), strict=True))
     # the activations that hold these forces
@@ -121,11 +125,11 @@ def answer(question: Question, point: Mapping[str, float], tolerance: float = TO
     used = {name: point[name] for name in (*question.block.x, *question.block.u)}
     outputs = _outputs(question, used)
     _check_domain(outputs)
-    verdict, kinked = _verdict(question, point, tolerance), list(_kinks(question, point))
-    if kinked:
-        # derivatives at a kink itself belong to neither side: the lowest rank of all corners counts
-        corners = (_corner(question, point, kinked, signs) for signs in itertools.product((-1, 1), repeat=len(kinked)))
-        verdict = min((_verdict(question, corner, tolerance) for corner in corners), key=lambda corner: corner.rank)
+    kinked = list(_kinks(question, point))
+    # derivatives at a kink itself belong to neither side: the lowest rank of all corners counts
+    signs = itertools.product((-1, 1), repeat=len(kinked))
+    corners = [_corner(question, point, kinked, sides) for sides in signs] if kinked else [point]
+    verdict = min((_verdict(question, corner, tolerance) for corner in corners), key=lambda corner: corner.rank)
     kinks = {name: _ranks_beside(question, point, name, tolerance) for name in kinked}
     spread = deviations(
         question.block,
@@ -136,18 +140,19 @@ def answer(question: Question, point: Mapping[str, float], tolerance: float = TO
         question.period,
         window,
     )
-    borrowed = _lost_as_functions(question, point, tolerance) if question.unknowns else None
-    return Answer(used, verdict, _regions(question, used, outputs), kinks, spread, borrowed)
+    lost = _lost_as_functions(question, corners, tolerance) if question.unknowns else None
+    return Answer(used, verdict, _regions(question, used, outputs), kinks, spread, lost)
 
 
-def _lost_as_functions(question: Question, point: Mapping[str, float], tolerance: float) -> tuple[str, ...]:
-    """The coordinates that cannot be told where the unknowns change as they like.
+def _lost_as_functions(question: Question, corners: Sequence[Mapping[str, float]], tolerance: float) -> tuple[str, ...]:
+    """The coordinates that cannot be told at all corners where the unknowns change as they like.
 
     A constant is told by what its effect becomes later; a function of time only by its effect now.
     """
     free = question.with_functions()
-    lost = _verdict(free, {**dict.fromkeys(free.block.x, 0.0), **point}, tolerance).unobservable
-    return tuple(name for name in lost if name in question.coordinates)
+    still = dict.fromkeys(free.block.x, 0.0)
+    lost = {name for corner in corners for name in _verdict(free, {**still, **corner}, tolerance).unobservable}
+    return tuple(name for name in question.coordinates if name in lost)
 
 
 def _verdict(question: Question, point: Mapping[str, float], tolerance: float) -> Verdict:

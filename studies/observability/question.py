@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import functools
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import casadi as ca
@@ -36,20 +36,21 @@ class Sensor:
     sentence: str
 
 
+# half-width of the paper's noise, dimensionless; of a mechanism the same
+_NOISE = 1e-3
 SENSORS = {
-    "x1": Sensor("x1", 1e-3, "position of the mass"),
-    "x2": Sensor("x2", 1e-3, "velocity of the mass"),
-    "F1": Sensor("Phi_S1", 1e-3, "force of tendon 1"),
-    "F2": Sensor("Phi_S2", 1e-3, "force of tendon 2"),
-    "L_C1": Sensor("L_C1", 1e-3, "length of fibre 1"),
-    "L_C2": Sensor("L_C2", 1e-3, "length of fibre 2"),
+    "x1": Sensor("x1", _NOISE, "position of the mass"),
+    "x2": Sensor("x2", _NOISE, "velocity of the mass"),
+    "F1": Sensor("Phi_S1", _NOISE, "force of tendon 1"),
+    "F2": Sensor("Phi_S2", _NOISE, "force of tendon 2"),
+    "L_C1": Sensor("L_C1", _NOISE, "length of fibre 1"),
+    "L_C2": Sensor("L_C2", _NOISE, "length of fibre 2"),
 }
 PAPER_SENSORS = ("x1", "F1", "F2")
 
 # what is unknown beside the states: nothing, or Δ with the muscles' inputs
 UNKNOWNS = ("none", "u", "a")
-# of a mechanism: typical sizes of its signals, with the same relative noise as the pair
-_NOISE = 1e-3
+# of a mechanism: typical sizes of its signals
 _SIZES = {"q": 0.1, "dq": 0.1, "L_S": 0.01, "Delta": 0.1, "u": 0.1, "a": 0.3}
 # with more coordinates each order takes three times as long: the fourth seconds, the sixth a minute
 _MANY, _ENOUGH = 10, 4
@@ -116,23 +117,21 @@ class Question:
 
 def pose(
     prepared: Prepared,
-    sensors: Sequence[str] = PAPER_SENSORS,
+    sensors: Sequence[str] | None = None,
     unknown: str = "none",
     order: int | None = None,
     derivatives: int = 0,
 ) -> Question:
     """The question with the scenario's numbers. ScenarioError says what is wrong with it.
 
-    order: highest Lie derivative, n − 1 by default. derivatives: 0 for constant unknowns, else the unknowns are
-    signals and their derivatives up to this order are coordinates too.
+    sensors: the paper's by default. order: highest Lie derivative, n − 1 by default. derivatives: 0 for constant
+    unknowns, else the unknowns are signals and their derivatives up to this order are coordinates too.
     """
     system = pair_system(prepared.scenario.curves)
     period = prepared.value("noise.period") or _PERIOD
-
-    def numbers(block: Block) -> tuple[float, ...]:
-        return _numbers(block, prepared)
-
-    return _question(system, SENSORS, sensors, unknown, order, derivatives, numbers, period)
+    given = {path.removeprefix("plant."): prepared.value(path) for path in prepared.paths.parameters}
+    chosen = PAPER_SENSORS if sensors is None else sensors
+    return _question(system, SENSORS, chosen, unknown, order, derivatives, given, period)
 
 
 def pose_mechanism(
@@ -153,18 +152,11 @@ def pose_mechanism(
         **{name: Sensor(name, _NOISE, f"fibre length {name}") for name in system.muscle("L_C")},
     }
 
-    def numbers(block: Block) -> tuple[float, ...]:
-        given = subject.scales.numbers
-        return tuple(given.get(name, parameter.default) for name, parameter in block.parameters.items())
-
-    usual = [*system.joints, *system.muscles]
+    chosen = [*system.joints, *system.muscles] if sensors is None else sensors
     scales = subject.scales
     period = _PERIOD * scales.rate
     units = f"lengths in {scales.length:.4g} m, forces in {scales.force:.4g} N, times in {1 / scales.rate:.4g} s"
-    question = _question(
-        system, available, usual if sensors is None else sensors, unknown, order, derivatives, numbers, period
-    )
-    return dataclasses.replace(question, units=units)
+    return _question(system, available, chosen, unknown, order, derivatives, scales.numbers, period, units)
 
 
 def _question(
@@ -174,8 +166,9 @@ def _question(
     unknown: str,
     order: int | None,
     derivatives: int,
-    numbers: Callable[[Block], tuple[float, ...]],
+    given: Mapping[str, float],
     period: float,
+    units: str = "",
 ) -> Question:
     if not sensors:
         raise ScenarioError(f"without a sensor nothing can be observed; there are {', '.join(available)}")
@@ -191,7 +184,8 @@ def _question(
     order = usual if order is None else whole("the order of the Lie derivatives", order, 0, _HIGHEST)
     chosen = tuple(dict.fromkeys(sensors))
     matrix, rank = _matrix(block, tuple(available[name].output for name in chosen), order)
-    return Question(system, block, available, chosen, unknown, unknowns, order, matrix, rank, numbers(block), period)
+    p = numbers_of(block, given)
+    return Question(system, block, available, chosen, unknown, unknowns, order, matrix, rank, p, period, units)
 
 
 @functools.cache
@@ -204,8 +198,6 @@ def _matrix(block: Block, outputs: tuple[str, ...], order: int) -> tuple[ca.Func
     return observability_matrix(block, outputs, order), structural_rank(block, outputs, order)
 
 
-def _numbers(block: Block, prepared: Prepared) -> tuple[float, ...]:
-    """The plant's parameters in the order of `block.p`."""
-    known = {f"plant.{name}": name for name in block.p} | {name: name for name in block.p}
-    values = {known[path]: prepared.value(path) for path in prepared.paths.parameters if path in known}
-    return tuple(values.get(name, block.parameters[name].default) for name in block.p)
+def numbers_of(block: Block, given: Mapping[str, float]) -> tuple[float, ...]:
+    """The plant's parameters in the order of `block.p`: those given by name, else their defaults."""
+    return tuple(given.get(name, parameter.default) for name, parameter in block.parameters.items())
