@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import casadi as ca
@@ -37,6 +36,16 @@ class Path:
         return Path(self.joints, terms)
 
 
+def exponents(order: int, count: int) -> Iterator[tuple[int, ...]]:
+    """All tuples of `count` exponents with a sum of at most `order`, the last rising fastest."""
+    if not count:
+        yield ()
+        return
+    for first in range(order + 1):
+        for others in exponents(order - first, count - 1):
+            yield (first, *others)
+
+
 def polynomial(joints: Sequence[str], order: int, coefficients: Sequence[float]) -> Path:
     """Of all exponents with a sum of at most `order`, the last joint's rising fastest. TreeError if not as many."""
     if order < 0:
@@ -47,7 +56,7 @@ def polynomial(joints: Sequence[str], order: int, coefficients: Sequence[float])
             f"a polynomial of order {order} in {', '.join(joints) or 'no joint'} has {terms} coefficients, "
             f"not {len(coefficients)}"
         )
-    powers = [e for e in itertools.product(range(order + 1), repeat=len(joints)) if sum(e) <= order]
+    powers = exponents(order, len(joints))
     least = _ROUNDING * max(map(abs, coefficients), default=0.0)
     return Path(tuple(joints), {e: c for e, c in zip(powers, coefficients, strict=True) if abs(c) > least})
 

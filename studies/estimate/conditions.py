@@ -31,7 +31,9 @@ def gain_conditions(
         near = sizes.pair if system.paper else _neighbours(sizes, system, of)
         theorem = observer.theorem(view, about)
         if of:
-            theorem = _each_once([condition for condition in theorem if _concerns(condition, of, p)])
+            # about numbers of this joint or muscle, and not its neighbour's alone
+            own = ca.vertcat(*(symbol for name, symbol in p.items() if name.startswith(f"{of}.")))
+            theorem = _each_once([c for c in theorem if ca.depends_on(ca.vertcat(c.left, c.right), own)])
         found = check(theorem, Symbols({**p, **about}), {**numbers, **_facts(near, h)})
         checked += [replace(condition, name=f"{of}: {condition.name}") if of else condition for condition in found]
     return checked
@@ -50,12 +52,6 @@ def _each_once(conditions: list[Condition]) -> list[Condition]:
         if not any(ca.is_equal(sides, ca.vertcat(one.left, one.right), _DEEP) for one in kept):
             kept.append(condition)
     return kept
-
-
-def _concerns(condition: Condition, of: str, p: Symbols) -> bool:
-    """Whether it is about numbers of this joint or muscle, and not its neighbour's alone."""
-    numbers = ca.vertcat(*(symbol for name, symbol in p.items() if name.startswith(f"{of}.")))
-    return bool(ca.depends_on(ca.vertcat(condition.left, condition.right), numbers))
 
 
 def _facts(sizes: Sizes, h: float) -> dict[str, float]:

@@ -13,12 +13,11 @@ import xarray as xr
 from ...codegen.failure import Failure
 from ...model.arrays import Array
 from ...model.curves import CURVES
-from ...model.skeleton.tree import PIN
 from ...model.symbols import hat
 from ...observers.conditions import Checked
 from ..files.datasets.schema import read_json
 from ..files.versions import versions
-from ..laboratory.mechanisms.reading import mechanism_of
+from ..laboratory.subject import subject_again
 from ..simulate.failures import observer_failure
 from .bands.band import deviations
 from .case import Case, Result
@@ -168,9 +167,9 @@ def joint_units(dataset: xr.Dataset, variable: str) -> dict[str, str]:
     names = dataset.joint.values.tolist()
     if not turns:
         return dict.fromkeys(names, slides)
-    joints = mechanism_of(read_json("muscle_file", str(dataset.muscle_file.values), dict), None).tree.joints
-    turning = {name for name, joint in joints.items() if joint.kind == PIN}
-    return {name: turns if name in turning else slides for name in names}
+    subject = subject_again(read_json("muscle_file", str(dataset.muscle_file.values), dict))
+    sliding = dict(zip(subject.joints, subject.scales.sliding, strict=True))
+    return {name: slides if sliding[name] else turns for name in names}
 
 
 def _fibres(L: Array, heights: Array) -> tuple[Array, Array]:

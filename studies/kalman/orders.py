@@ -138,7 +138,7 @@ def _likeliest(
     fits = {(of_D[0], second): fit(of_D[0], second) for second in of_second}
     best = _best(fits, usual, rougher)
     fits |= {(order_D, best[1]): fit(order_D, best[1]) for order_D in of_D[1:]}
-    best = _best({best: fits[best], **fits}, best, rougher)
+    best = _best(fits, best, rougher)
     likelihoods = {orders: found.log_likelihood for orders, found in fits.items()}
     return Choice(best, fits[best], likelihoods, {orders: _needed(orders, usual, rougher) for orders in fits})
 

@@ -145,7 +145,7 @@ def _has_joints(path: Path) -> bool:
 def subject_again(content: Mapping[str, object]) -> Subject:
     """The subject whose `file` this is."""
     if "joints" in content:
-        return subject_of(mechanism_of(content, None))
+        return _mechanism_subject(json.dumps(content))
     return pair_subject(muscle_pair(content, None))
 
 

@@ -78,7 +78,7 @@ def _scaled(muscle: Muscle, name: str, factor: float) -> Muscle:
 
 def _with_curves(muscle: Muscle, curves: CurveSet) -> Muscle:
     """The same muscle with other curves: what both sets know keeps its number, all else has the default."""
-    numbers = {name: muscle.numbers.get(name, parameter.default) for name, parameter in numbers_of(curves).items()}
+    numbers = {name: value for name, value in muscle.numbers.items() if name in numbers_of(curves)}
     return replace(muscle, curves=curves, numbers=numbers, sds={})
 
 

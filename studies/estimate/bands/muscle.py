@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import itertools
 import math
 from collections.abc import Iterator, Mapping
 
@@ -51,10 +50,12 @@ def muscle_parts(case: Case, results: Mapping[str, Result]) -> dict[str, Array]:
         parts = np.empty((len(MUSCLE_ESTIMATES), *shape, len(deviations)))
         # next to slack S may be anything
         with np.errstate(over="ignore", invalid="ignore"):
-            for (i, (name, result)), (j, r) in itertools.product(enumerate(results.items()), enumerate(deviations)):
-                for rows, shares in _shares(case, j, r, name, result):
-                    # σ² = Σ (S_θ r_θ)²
-                    parts[:, i, rows, j] = np.sqrt((shares**2).sum(axis=1)).T
+            for i, (name, result) in enumerate(results.items()):
+                for rows, L_m, dL_m in _motion(case, result):
+                    for j, r in enumerate(deviations):
+                        shares = _shares(case, j, r, name, result, rows, L_m[:, j], dL_m[:, j])
+                        # σ² = Σ (S_θ r_θ)²
+                        parts[:, i, rows, j] = np.sqrt((shares**2).sum(axis=1)).T
         parts[~np.isfinite(parts)] = np.nan
         found = {name: part for name, part in zip(MUSCLE_ESTIMATES, parts, strict=True) if np.nansum(part)}
     if bias := case.doubt.get(POSITION_BIAS):
@@ -82,9 +83,20 @@ def _of_the_disturbance(case: Case, results: Mapping[str, Result], biases: Array
     return part
 
 
-def _shares(case: Case, j: int, r: Mapping[str, float], name: str, result: Result) -> Iterator[tuple[slice, Array]]:
-    """S_θ r_θ of a muscle by one observer, piece by piece: samples, and (samples × number in doubt × estimate)."""
-    s, system, y = case.scales, case.subject.system, result.y
+def _motion(case: Case, result: Result) -> Iterator[tuple[slice, Array, Array]]:
+    """Piece by piece: samples, lengths in m and their rates in m/s of all muscles (samples × muscle)."""
+    s, system, laws = case.scales, case.subject.system, case.subject.laws
+    q, dq = (np.stack([result.y[hat(name)] for name in system.joint(signal)], axis=-1) for signal in ("q", "dq"))
+    for start in range(0, len(q), _CHUNK):
+        rows = slice(start, start + _CHUNK)
+        yield rows, s.metres(laws.lengths(q[rows])), s.velocity(laws.rates(q[rows], dq[rows]))
+
+
+def _shares(
+    case: Case, j: int, r: Mapping[str, float], name: str, result: Result, rows: slice, L_m: Array, dL_m: Array
+) -> Array:
+    """S_θ r_θ of a muscle by one observer (samples × number in doubt × estimate)."""
+    s, system = case.scales, case.subject.system
     muscle = list(case.subject.muscles.values())[j]
     oblique = bool(muscle.pennation)
     of = numbers(muscle.curves, oblique)
@@ -94,16 +106,11 @@ def _shares(case: Case, j: int, r: Mapping[str, float], name: str, result: Resul
     sd = np.array([r[of[i]] for i in doubted])[:, None]
     limits = [case.settings.changes.get(f"{name}.{key}", LIMITS[key].default) for key in ("u_low", "u_high")]
     L_S_hat, u_hat = (hat(system.muscle(signal)[j]) for signal in ("L_S", "u"))
-    q, dq = (np.stack([y[hat(name)] for name in system.joint(signal)], axis=-1) for signal in ("q", "dq"))
-    for start in range(0, len(q), _CHUNK):
-        rows = slice(start, start + _CHUNK)
-        L_m = s.metres(case.subject.laws.lengths(q[rows])[:, j])
-        dL_m = s.velocity(case.subject.laws.rates(q[rows], dq[rows])[:, j])
-        L_S, u = s.metres(y[L_S_hat][rows]), s.velocity(y[u_hat][rows])
-        x = np.stack(np.broadcast_arrays(L_m, dL_m, L_S, u, *limits), axis=1)
-        (flat,) = _compiled(muscle.curves, oblique).call("sensitivities", x, values)
-        S = flat.reshape(-1, len(of), len(MUSCLE_ESTIMATES))
-        yield rows, S[:, doubted] * sd
+    L_S, u = s.metres(result.y[L_S_hat][rows]), s.velocity(result.y[u_hat][rows])
+    x = np.stack(np.broadcast_arrays(L_m, dL_m, L_S, u, *limits), axis=1)
+    (flat,) = _compiled(muscle.curves, oblique).call("sensitivities", x, values)
+    S = flat.reshape(-1, len(of), len(MUSCLE_ESTIMATES))
+    return np.asarray(S[:, doubted] * sd)
 
 
 def _values(muscle: Muscle) -> dict[str, float]:

@@ -195,7 +195,6 @@ def _largest(signals: Array) -> float:
 def compile_first_pass(system: System) -> CompiledBank:
     """The high gain observer, told tendon lengths and accelerations instead of forces."""
     lengths, accelerations = system.tendons, [f"acc.{joint}" for joint in system.joints]
-    measured = (*system.joint("y"), *lengths, *accelerations)
     observer = told(chains(), system)
     u = symbols([f"measured.{name}" for name in (*lengths, *accelerations)])
     y = Symbols({name.removeprefix("measured."): symbol for name, symbol in u.items()})

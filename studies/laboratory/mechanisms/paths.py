@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Mapping
 
-from ....model.skeleton.paths import Path, constant_moment_arms, polynomial
+from ....model.skeleton.paths import Path, constant_moment_arms, exponents, polynomial
 from ....model.skeleton.tree import TreeError
 from ...files.errors import ScenarioError
 from ...files.numbers import whole, within
@@ -90,8 +89,7 @@ def path_table(path: Path) -> dict[str, object]:
 def _dense(path: Path) -> tuple[int, list[float]]:
     """The order, and all coefficients up to it."""
     order = max(map(sum, path.terms), default=0)
-    powers = (e for e in itertools.product(range(order + 1), repeat=len(path.joints)) if sum(e) <= order)
-    return order, [path.terms.get(e, 0.0) for e in powers]
+    return order, [path.terms.get(e, 0.0) for e in exponents(order, len(path.joints))]
 
 
 def _checked(where: str, joints: list[str], order: int, coefficients: list[float]) -> Path:

@@ -73,8 +73,7 @@ class MuscleTables:
         known = {**own, **numbers_of(curves)}
         values, sds = numbers({key: pair for key, pair in given.items() if key in known}, known)
         sizes = {key: values.pop(key) for key in own if key in values}
-        defaults = {key: parameter.default for key, parameter in numbers_of(curves).items()}
-        return Muscle(curves, **sizes, numbers={**defaults, **values}, sds=sds)
+        return Muscle(curves, **sizes, numbers=values, sds=sds)
 
 
 def muscle_table(muscle: Muscle) -> dict[str, object]:

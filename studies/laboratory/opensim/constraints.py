@@ -14,7 +14,7 @@ _COUPLER = "CoordinateCouplerConstraint"
 def cut(document: Document, held: Collection[str]) -> Iterator[str]:
     """A sentence for each coupling that a lock has cut. ScenarioError for all that still constrains."""
     for constraint in document.members("Constraint"):
-        if (constraint.words("isEnforced") or "true").lower() not in ("true", "1") or constraint.flag("isDisabled"):
+        if not constraint.flag("isEnforced", True) or constraint.flag("isDisabled"):
             continue
         name = constraint.words("dependent_coordinate_name") or ""
         if constraint.element.tag != _COUPLER:

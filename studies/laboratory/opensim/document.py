@@ -69,9 +69,10 @@ class Component:
             raise ScenarioError(f"{self.where}: {tag} must be {count} numbers, not {shown(words)}")
         return found
 
-    def flag(self, tag: str) -> bool:
-        """Whether a property says true; what is missing does not."""
-        return (self.words(tag) or "").lower() in ("true", "1")
+    def flag(self, tag: str, default: bool = False) -> bool:
+        """Whether a property says true; `default` if it is missing or empty."""
+        words = self.words(tag)
+        return words.lower() in ("true", "1") if words else default
 
 
 @dataclass(frozen=True)

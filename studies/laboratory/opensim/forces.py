@@ -29,7 +29,7 @@ def acting(document: Document) -> list[Component]:
     return [
         force
         for force in document.members("Force")
-        if (force.words("appliesForce") or "true").lower() in ("true", "1") and not force.flag("isDisabled")
+        if force.flag("appliesForce", True) and not force.flag("isDisabled")
     ]
 
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from ....model.curves import DEGROOTE_FREGLY2016, MILLARD2012, THELEN2003, CurveSet
 from ...files.errors import ScenarioError, in_file
 from ...files.quote import shown
-from ..muscles import Muscle, numbers_of
+from ..muscles import Muscle
 from .document import Component, listed
 from .names import plain, refuse_equal
 
@@ -128,8 +128,7 @@ def muscle(component: Component) -> tuple[Muscle, list[str]]:
     """The muscle, and a sentence for each thing that its class has and ours has not. ScenarioError if it cannot be."""
     kind = CLASSES[component.element.tag]
     F_max, optimal_fibre_length, tendon_slack_length = map(component.number, _SIZES)
-    numbers = {key: parameter.default for key, parameter in numbers_of(kind.curves).items()}
-    numbers |= {key: _inner(component, tag, default) for key, (tag, default) in kind.numbers.items()}
+    numbers = {key: _inner(component, tag, default) for key, (tag, default) in kind.numbers.items()}
     with in_file(component.where):
         read = Muscle(
             kind.curves,

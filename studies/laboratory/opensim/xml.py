@@ -26,7 +26,6 @@ class Element:
     tag: str
     name: str = ""
     line: int = 0
-    attributes: dict[str, str] = field(default_factory=dict)
     words: str = ""
     children: list[Element] = field(default_factory=list)
 
@@ -75,7 +74,7 @@ def _parsed(raw: bytes) -> Element:
             raise ScenarioError(f"line {parser.CurrentLineNumber}: {many}; no OpenSim model is so large")
         if len(attributes.get("name", "")) > _LONGEST_NAME:
             raise ScenarioError(f"line {parser.CurrentLineNumber}: a name of more than {_LONGEST_NAME} characters")
-        element = Element(tag, attributes.get("name", ""), parser.CurrentLineNumber, attributes)
+        element = Element(tag, attributes.get("name", ""), parser.CurrentLineNumber)
         open_elements[-1].children.append(element)
         open_elements.append(element)
 
