@@ -5,10 +5,11 @@ from __future__ import annotations
 import casadi as ca
 
 from .block import Block, Parameter, Symbols, symbols
-from .curves import NGUYEN2019, Curves, by_muscle, tendon_parameters
+from .curves import NGUYEN2019, Curves, by_muscle
 from .dialect import clamp, outside
 from .skeleton.load import MASS
 from .symbols import MUSCLES
+from .system import pair_system
 
 _PAPER = "paper, §V"
 
@@ -42,7 +43,7 @@ def riccati(p: Symbols) -> tuple[ca.SX, ca.SX]:
 def backstepping(curves: Curves = NGUYEN2019) -> Block:
     """Inputs: the true x1…x4, r, dr, ddr, dddr, Delta, dDelta; outputs u1, u2 and the error force zeta."""
     u = symbols("x1 x2 x3 x4 r dr ddr dddr Delta dDelta")
-    parameters = {**PARAMETERS, **tendon_parameters(curves)}
+    parameters = {**PARAMETERS, **pair_system(curves).tendon_parameters}
     p = symbols(parameters)
     m = p.m
     sets = by_muscle(curves)

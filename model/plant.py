@@ -4,11 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 
-import casadi as ca
-
 from .block import Block, BlockError, Parameter, Parameters, Symbols, symbols
 from .muscle import activated_muscle, requested_activation, virtual_muscle
-from .skeleton.paths import moment_arms
 from .system import PAIR, System
 from .wiring import many, rename, wire
 
@@ -38,9 +35,7 @@ def skeleton(system: System = PAIR) -> Block:
     q, dq = ([x[f"{signal}.{joint}"] for joint in system.joints] for signal in _AT_START)
     # q̈ = M⁻¹(R F − h) + Δ   [load1], [load2]
     acc = system.accelerations(q, dq, [u[f"F.{muscle}"] for muscle in system.muscles], p)
-    lengths = system.lengths(q, p)
-    # L̇_m = −Rᵀq̇
-    rates = ca.vertsplit(-moment_arms(ca.vertcat(*lengths), ca.vertcat(*q)).T @ ca.vertcat(*dq))
+    lengths, rates = system.lengths(q, p), system.rates(q, dq, p)
     dx = Symbols()
     for joint, a in zip(system.joints, acc, strict=True):
         dx |= {f"q.{joint}": x[f"dq.{joint}"], f"dq.{joint}": a + u[f"Delta.{joint}"]}

@@ -12,6 +12,7 @@ from .block import Parameter, Parameters, Symbols, symbols
 from .curves import NGUYEN2019, Curves, CurveSet, by_muscle
 from .fibre import PENNATION
 from .skeleton.load import LENGTH, MASS, lengths, pull
+from .skeleton.paths import moment_arms
 from .symbols import MUSCLES, hat
 
 # of joints and of muscles, in sequence
@@ -80,6 +81,11 @@ class System:
     def tendons(self) -> Mapping[str, str]:
         """Tendon length that a measurement tells → the measured force that tells it."""
         return dict(zip(self.muscle("z"), self.muscle("y"), strict=True))
+
+    def rates(self, q: Expressions, dq: Expressions, p: Symbols) -> list[ca.SX]:
+        """L̇_m of each muscle at coordinates q, which must be symbols, and velocities dq."""
+        # L̇_m = −Rᵀq̇
+        return ca.vertsplit(-moment_arms(ca.vertcat(*self.lengths(q, p)), ca.vertcat(*q)).T @ ca.vertcat(*dq))
 
     @functools.cached_property
     def length_parameters(self) -> Parameters:

@@ -64,7 +64,8 @@ def estimator(observer: Block, system: System = THE_PAIR, activations: bool = Tr
     connections = {f"{observer.name}.{port}": f"slopes.{port}" if port in slopes else port for port in observer.u}
     connections |= {f"{part.name}.{port}": port for part in front for port in part.u}
     connections |= {f"{part.name}.{port}": f"{observer.name}.{port}" for part in behind for port in part.u}
-    ports = dict.fromkeys(source for source in connections.values() if source in inputs(system))
+    seen = inputs(system)
+    ports = dict.fromkeys(source for source in connections.values() if source in seen)
     external = {port: "t" if port == "t" else "held" if port in observer.held else "staged" for port in ports}
     wired = wire(observer.name, [*front, observer, *behind], connections, external)
     names = [*wired.x, *wired.y, *wired.p, *wired.guards, *wired.domain]
@@ -80,8 +81,9 @@ def estimator(observer: Block, system: System = THE_PAIR, activations: bool = Tr
 
 
 def _refuse_ports(observer: Block, system: System) -> None:
-    if wrong := [name for name in observer.u if name not in inputs(system)]:
-        raise BlockError(f"{observer.name}: an observer sees {', '.join(inputs(system))} only, not {', '.join(wrong)}")
+    seen = inputs(system)
+    if wrong := [name for name in observer.u if name not in seen]:
+        raise BlockError(f"{observer.name}: an observer sees {', '.join(seen)} only, not {', '.join(wrong)}")
     if missing := [name for name in system.estimates if name not in observer.y]:
         raise BlockError(f"{observer.name}: an observer must estimate {', '.join(missing)} as well")
     if odd := [name for name in observer.x if not all(part.isidentifier() for part in name.split("."))]:

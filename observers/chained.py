@@ -11,7 +11,6 @@ from dataclasses import dataclass, field, replace
 import casadi as ca
 
 from ..model.block import Block, Parameter, Parameters, Symbols, symbols
-from ..model.skeleton.paths import moment_arms
 from ..model.symbols import MUSCLES, hat
 from ..model.system import PAIR, System
 from ..model.wiring import many, rename, wire
@@ -147,9 +146,7 @@ def _forces(system: System, lacking: bool) -> Block:
 
 
 def _rates(kind: str, system: System, q: Symbols, dq: Symbols, p: Symbols) -> dict[str, ca.SX]:
-    # L̇_m = −Rᵀq̇
-    R = moment_arms(ca.vertcat(*system.lengths(list(q.values()), p)), q.vector())
-    rates = ca.vertsplit(-R.T @ dq.vector())
+    rates = system.rates(list(q.values()), list(dq.values()), p)
     return {f"{kind}.{of}": rate for of, rate in zip(system.muscles, rates, strict=True)}
 
 

@@ -19,4 +19,4 @@ def inputs(system: System = PAIR) -> tuple[str, ...]:
 
 
 # of the pair
-SENSED, INPUTS = sensed(), inputs()
+SENSED = sensed()

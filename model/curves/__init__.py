@@ -1,6 +1,6 @@
 """Curve sets, one publication a file: the registry. A new one is its file and one line here."""
 
-from .curve_set import Curve, Curves, CurveSet, by_muscle, curve_parameters, sampled, tendon_parameters
+from .curve_set import Curve, Curves, CurveSet, by_muscle, sampled
 from .degroote_fregly2016 import DEGROOTE_FREGLY2016
 from .millard2012 import MILLARD2012
 from .nguyen2019 import NGUYEN2019, NGUYEN2019_PRINTED, PRINTED_TOE
@@ -25,7 +25,5 @@ __all__ = [
     "CurveSet",
     "Curves",
     "by_muscle",
-    "curve_parameters",
     "sampled",
-    "tendon_parameters",
 ]

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
 
 from ..arrays import Array
-from ..block import Parameter, Parameters, Symbols
+from ..block import Parameters, Symbols
 from ..dialect import clamp, outside
 from ..symbols import MUSCLES
 
@@ -102,21 +102,3 @@ Curves = CurveSet | tuple[CurveSet, CurveSet]
 def by_muscle(curves: Curves) -> dict[str, CurveSet]:
     """The set of each muscle, by its name."""
     return dict(zip(MUSCLES, (curves, curves) if isinstance(curves, CurveSet) else curves, strict=True))
-
-
-def tendon_parameters(curves: Curves) -> dict[str, Parameter]:
-    """`muscle1.…`, `muscle2.…` for the numbers of both tendons, shared by all Blocks that use them."""
-    return _shared({muscle: own.tendon for muscle, own in by_muscle(curves).items()})
-
-
-def curve_parameters(curves: Curves) -> dict[str, Parameter]:
-    """The same for all numbers of both sets."""
-    return _shared({muscle: own.parameters for muscle, own in by_muscle(curves).items()})
-
-
-def _shared(parameters: Mapping[str, Parameters]) -> dict[str, Parameter]:
-    return {
-        name: replace(parameter, shared=name)
-        for muscle, own in parameters.items()
-        for name, parameter in ((f"{muscle}.{key}", parameter) for key, parameter in own.items())
-    }

@@ -41,8 +41,8 @@ class Place:
     frame: Frame
 
 
-def bodies(tree: Tree) -> tuple[list[Body], dict[str, Place]]:
-    """The bodies, each after the one that carries it, and where each link is."""
+def bodies(tree: Tree) -> list[Body]:
+    """The bodies, each after the one that carries it."""
     places = {GROUND: Place(_STILL, HERE)}
     joints: list[tuple[str, int, Frame, Joint]] = []
     for name in tree.outward:
@@ -59,7 +59,7 @@ def bodies(tree: Tree) -> tuple[list[Body], dict[str, Place]]:
     return [
         Body(name, parent, fixed, _direction(joint), joint.kind == SLIDER, *of)
         for (name, parent, fixed, joint), of in zip(joints, carried, strict=True)
-    ], places
+    ]
 
 
 def _direction(joint: Joint) -> Array:

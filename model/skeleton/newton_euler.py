@@ -28,7 +28,7 @@ class Motion:
 
 def equation_of_motion(tree: Tree, q: Mapping[str, ca.SX], dq: Mapping[str, ca.SX]) -> Motion:
     """Of all coordinates of the tree, in its order; coordinates q and velocities dq by the joint's name."""
-    names, chain = tree.coordinates, bodies(tree)[0]
+    names, chain = tree.coordinates, bodies(tree)
     ddq = {name: ca.SX.sym(f"dd_{name}") for name in names}
     found = _forces(chain, tree.gravity, q, dq, ddq)
     tau, accelerations = ca.vertcat(*(found[name] for name in names)), ca.vertcat(*ddq.values())
@@ -45,7 +45,7 @@ def equation_of_motion(tree: Tree, q: Mapping[str, ca.SX], dq: Mapping[str, ca.S
 
 
 def mass_matrix(tree: Tree, q: Mapping[str, float]) -> Array:
-    """M (n × n) at the coordinates q, by the joint's name."""
+    """M (n × n) at the coordinates q, by the joint's name, in the tree's units."""
     still = {name: ca.SX(0) for name in tree.coordinates}
     motion = equation_of_motion(tree, {name: ca.SX(q[name]) for name in tree.coordinates}, still)
     return np.array(ca.evalf(ca.densify(motion.M)), dtype=float)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
@@ -187,9 +186,7 @@ def _outward(links: Mapping[str, Link], joints: Mapping[str, Joint]) -> Iterator
 def _circle(link: str, joints: Mapping[str, Joint]) -> list[str]:
     parent = {joint.child: joint.parent for joint in joints.values()}
     path: list[str] = []
-    for _ in itertools.repeat(None):
-        if link in path:
-            break
+    while link not in path:
         path.append(link)
         link = parent[link]
     return [*path[path.index(link) :], link][::-1]

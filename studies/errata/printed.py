@@ -11,9 +11,10 @@ import casadi as ca
 
 from ...model.backstepping import PARAMETERS, distribute, riccati
 from ...model.block import Block, Parameter, Symbols, symbols
-from ...model.curves import NGUYEN2019, PRINTED_TOE, CurveSet, tendon_parameters
+from ...model.curves import NGUYEN2019, PRINTED_TOE, CurveSet
 from ...model.dialect import clamp, sg
 from ...model.symbols import MUSCLES
+from ...model.system import pair_system
 from ...observers.adaptive_sliding_mode import ADAPTIVE_SLIDING_MODE
 
 
@@ -52,7 +53,7 @@ def _switches(errata: Mapping[str, Erratum]) -> dict[str, Parameter]:
 def backstepping_as_printed(curves: CurveSet = NGUYEN2019) -> Block:
     """The controller with the ports of `backstepping()`; C1…C4 are 1 for the corrected term, 0 for the printed."""
     u = symbols("x1 x2 x3 x4 r dr ddr dddr Delta dDelta")
-    parameters = {**PARAMETERS, **tendon_parameters(curves), **_switches(CONTROLLER)}
+    parameters = {**PARAMETERS, **pair_system(curves).tendon_parameters, **_switches(CONTROLLER)}
     p = symbols(parameters)
     m = p.m
     Phi_S1, Phi_S2 = (curves.Phi_S(x, p.part(name)) for x, name in zip((u.x3, u.x4), MUSCLES, strict=True))

@@ -26,11 +26,11 @@ class Laws:
         F = [ca.SX.sym(f"F_{of}") for of in system.muscles]
         columns = [ca.vertcat(*values) for values in (q, dq, F, Delta)]
         acc = ca.vertcat(*system.accelerations(q, dq, F, p))
-        self._lengths = ca.Function("lengths", columns[:1], [ca.vertcat(*system.lengths(q, p))])
+        lengths = ca.vertcat(*system.lengths(q, p))
+        self._lengths = ca.Function("lengths", columns[:1], [lengths])
         self._accelerations = ca.Function("accelerations", columns[:3], [acc])
-        arms = moment_arms(ca.vertcat(*system.lengths(q, p)), columns[0])
-        self._rates = ca.Function("rates", columns[:2], [-arms.T @ columns[1]])
-        self._arms = ca.Function("arms", columns[:1], [ca.vec(ca.densify(arms))])
+        self._rates = ca.Function("rates", columns[:2], [ca.vertcat(*system.rates(q, dq, p))])
+        self._arms = ca.Function("arms", columns[:1], [ca.vec(ca.densify(moment_arms(lengths, columns[0])))])
         self._gain = ca.Function("gain", columns[:3], [ca.densify(ca.jacobian(acc, columns[2]))])
         forces = ca.vertcat(*system.forces(q, Delta, p))
         self._forces = ca.Function("forces", [columns[0], columns[3]], [forces])
