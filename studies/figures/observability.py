@@ -10,8 +10,7 @@ from matplotlib.figure import Figure
 
 from ...model.arrays import Array
 from ...model.symbols import SIGNALS
-from ..observability.many import force_and_slope
-from ..observability.map import TENSION, tendon_edges
+from ..observability.map import TENSION
 from ..observability.point import answer
 from ..observability.question import SENSORS, Question
 from . import style
@@ -73,7 +72,7 @@ def explanation(question: Question, point: dict[str, float]) -> Figure:
     with settings():
         figure = Figure(figsize=(style.PAGE, 2.7), layout="constrained")
         left, middle, right = figure.subplots(1, 3)
-        slack, end = tendon_edges(question, "muscle1")
+        slack, end = question.tendon("muscle1").edges
         _force_panel(left, question, slack, end)
         _slope_panel(middle, question, slack, end)
         _deviation_panel(right, question, point, slack, end)
@@ -123,7 +122,7 @@ def _frame(axes: Axes, data: xr.Dataset, question: Question) -> None:
             line(0, color="black", linewidth=0.8)
             label("common tension (below 0: slack)")
         if name in ("x3", "x4"):
-            slack, end = tendon_edges(question, f"muscle{int(str(name)[1]) - 2}")
+            slack, end = question.tendon(f"muscle{int(str(name)[1]) - 2}").edges
             line(slack, color="white", linewidth=1.6)
             line(slack, color="black", linewidth=0.8)
             line(end, color="black", linewidth=0.8, linestyle="--")
@@ -143,7 +142,7 @@ def _force_panel(axes: Axes, question: Question, slack: float, end: float) -> No
     """A reading fits an interval of lengths; below the noise the interval has no end."""
     toe, noise = end - slack, SENSORS["F1"].noise
     lengths = np.linspace(slack - toe / 2, slack + 0.7 * toe, 20001)
-    force, _ = force_and_slope(question, "muscle1", lengths)
+    force = question.tendon("muscle1").force(lengths)
     axes.plot(lengths[::20], force[::20], color="black", linewidth=_LINE)
     for reading, colour in ((float(np.interp(slack + toe / 2, lengths, force)), "#0072B2"), (noise, "#D55E00")):
         fits = lengths[np.abs(force - reading) <= noise]
@@ -162,7 +161,7 @@ def _force_panel(axes: Axes, question: Question, slack: float, end: float) -> No
 def _slope_panel(axes: Axes, question: Question, slack: float, end: float) -> None:
     """What is left of the measured change, and of the determinant of the whole map."""
     lengths = np.linspace(slack - 0.2 * (end - slack), end, 600)
-    _, slope = force_and_slope(question, "muscle1", lengths)
+    slope = question.tendon("muscle1").slope(lengths)
     axes.plot(lengths, slope / slope[-1], color="black", linewidth=_LINE, label=r"$\Phi'_{S1}$")
     axes.plot(lengths, (slope / slope[-1]) ** 2, color="#009E73", linewidth=_LINE, linestyle="--", label=r"$|\det|$")
     axes.set_xlim(lengths[0], lengths[-1])

@@ -17,7 +17,7 @@ class RecordingError(Error, ValueError):
     """A recording or a mapping that cannot be read; the sentence says what is wrong, and where."""
 
 
-class TomlError(Error, ValueError):
+class TomlError(ScenarioError):
     """A file that cannot be read as TOML; the sentence names it and says why."""
 
 

@@ -15,7 +15,7 @@ from ...model.arrays import Array
 from ...model.mechanism import mechanism_system
 from ...model.skeleton.tree import PIN
 from ...model.system import System, pair_system
-from ..files.errors import ScenarioError, TomlError
+from ..files.errors import ScenarioError
 from ..files.quote import shown
 from ..files.toml import read_toml
 from .columns import COLUMNS, Columns
@@ -136,10 +136,7 @@ def subject_of(muscles: str | Path | MusclePair | Mechanism | Subject) -> Subjec
 
 
 def _has_joints(path: Path) -> bool:
-    try:
-        return "joints" in read_toml(path, LARGEST_FILE)
-    except TomlError as error:
-        raise ScenarioError(str(error)) from error
+    return "joints" in read_toml(path, LARGEST_FILE)
 
 
 def subject_again(content: Mapping[str, object]) -> Subject:

@@ -70,9 +70,3 @@ def determinant(question: Question, points: Mapping[str, Array]) -> Array:
     (flat,) = compile_functions([function]).call("decoupling", x, u, question.p)
     n = x.shape[1]
     return np.asarray(np.abs(np.linalg.det(flat.reshape(len(flat), n, n))))
-
-
-def force_and_slope(question: Question, muscle: str, lengths: Array) -> tuple[Array, Array]:
-    """Φ_S and Φ′_S of a muscle's tendon at the lengths given."""
-    tendon = question.tendon(muscle)
-    return tendon.force(lengths), tendon.slope(lengths)

@@ -84,11 +84,6 @@ def axis_ranges(question: Question, axes: Sequence[str], point: Mapping[str, flo
     return {axis: _range(question, axis, point) for axis in axes}
 
 
-def tendon_edges(question: Question, muscle: str) -> tuple[float, float]:
-    """Where the tendon of a muscle leaves slack, and where its toe ends."""
-    return question.tendon(muscle).edges
-
-
 def _range(question: Question, axis: str, point: Mapping[str, float]) -> tuple[float, float]:
     p = dict(zip(question.block.p, question.p, strict=True))
     if axis == TENSION:
@@ -99,7 +94,7 @@ def _range(question: Question, axis: str, point: Mapping[str, float]) -> tuple[f
         valid = [*question.block.x, *question.block.u, TENSION]
         raise ScenarioError(f"unknown axis {shown(axis)}; there are {', '.join(valid)}")
     if axis in ("x3", "x4"):
-        slack, end = tendon_edges(question, MUSCLES[int(axis[1]) - 3])
+        slack, end = question.tendon(MUSCLES[int(axis[1]) - 3]).edges
         return slack - (end - slack) / 2, end + (end - slack) / 2
     if axis == "x1":
         return p["C"] / 2 - 0.3, p["C"] / 2 + 0.3
@@ -115,7 +110,7 @@ def _placed(question: Question, axis: str, values: Array) -> dict[str, Array]:
         return {axis: values}
     lengths = {}
     for j, muscle in enumerate(MUSCLES, start=3):
-        slack, end = tendon_edges(question, muscle)
+        slack, end = question.tendon(muscle).edges
         # a force of 0 is any slack length; half a toe below the edge stands for it
         lengths[f"x{j}"] = np.where(values > 0, question.tendon(muscle).length(values), slack - (end - slack) / 2)
     return lengths

@@ -5,13 +5,13 @@ from __future__ import annotations
 import contextlib
 import functools
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from ..files.errors import ScenarioError, TomlError
+from ..files.errors import ScenarioError, in_file
 from ..files.quote import short, shown, table, text
 from ..files.toml import read_toml
 
@@ -34,13 +34,9 @@ class Layer:
     origin: str
     leaves: Mapping[str, object]
 
-    @contextlib.contextmanager
-    def blamed(self) -> Iterator[None]:
+    def blamed(self) -> contextlib.AbstractContextManager[None]:
         """What is wrong with a leaf is said with the name of the layer."""
-        try:
-            yield
-        except ScenarioError as error:
-            raise ScenarioError(f"{self.origin}: {error}" if self.origin else str(error)) from error
+        return in_file(self.origin) if self.origin else contextlib.nullcontext()
 
 
 @functools.cache
@@ -62,10 +58,7 @@ def layers(source: str | Path, changes: Mapping[str, Value]) -> tuple[str, list[
     path = Path(name)
     if path.suffix != SUFFIX:
         raise ScenarioError(f"unknown scenario {shown(name)}; there are {', '.join(shipped())}, or name a .toml file")
-    try:
-        content = read_toml(path)
-    except TomlError as error:
-        raise ScenarioError(str(error)) from error
+    content = read_toml(path)
     base = content.pop(_BASE, None)
     if base is not None and (not isinstance(base, str) or base not in shipped()):
         raise ScenarioError(f"{path}: {_BASE} must be one of {', '.join(shipped())}, not {shown(base)}")
@@ -75,10 +68,7 @@ def layers(source: str | Path, changes: Mapping[str, Value]) -> tuple[str, list[
 
 def changes_of(path: str) -> dict[str, Any]:
     """Path → value of a .toml file that is no scenario of its own. ScenarioError if it cannot be read, or is one."""
-    try:
-        content = read_toml(Path(path))
-    except TomlError as error:
-        raise ScenarioError(str(error)) from error
+    content = read_toml(Path(path))
     if _BASE in content:
         raise ScenarioError(f"{path}: it has a {_BASE}, so it is a scenario to be run, not numbers to be set")
     return dict(layer(path, content).leaves)

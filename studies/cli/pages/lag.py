@@ -50,7 +50,7 @@ def main() -> None:
 
 
 def _rmse(dataset: xr.Dataset, quantity: str) -> float:
-    return next(score.rmse for score in scores(dataset) if score.quantity == quantity and score.muscle in ("", "both"))
+    return next(score.rmse for score in scores(dataset) if score.quantity == quantity and score.together)
 
 
 if __name__ == "__main__":

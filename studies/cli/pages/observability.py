@@ -10,7 +10,7 @@ from pathlib import Path
 
 from ...figures.observability import along_figure, explanation, map_figure
 from ...figures.page import write_figures
-from ...observability.map import TENSION, along, over, tendon_edges
+from ...observability.map import TENSION, along, over
 from ...observability.point import Answer, answer, start_point
 from ...observability.question import PAPER_SENSORS, UNKNOWNS, Question, pose
 from ...scenarios.prepare import Prepared, prepare
@@ -94,7 +94,7 @@ def slackness(prepared: Prepared) -> dict[str, dict[str, float]]:
     point, question = start_point(prepared), pose(prepared)
     slack = {}
     for name, muscle in (("x3", "muscle1"), ("x4", "muscle2")):
-        begin, end = tendon_edges(question, muscle)
+        begin, end = question.tendon(muscle).edges
         slack[name] = begin - (end - begin) / 2
     return {
         "both taut": point,

@@ -11,7 +11,7 @@ from ....model.arrays import is_number
 from ....model.block import Parameter
 from ....model.fibre import PENNATION
 from ....model.skeleton.tree import KINDS, WELD, Joint, Link, Tree, TreeError, Vector
-from ...files.errors import ScenarioError, TomlError, in_file
+from ...files.errors import ScenarioError, in_file
 from ...files.numbers import switch, within
 from ...files.quote import shown, text
 from ...files.toml import read_toml
@@ -31,10 +31,7 @@ _TOP = ["description", "gravity", "paths", "links", "joints", COMMON, "muscles"]
 
 def read_mechanism(path: str | Path) -> Mechanism:
     """The mechanism of a TOML file. ScenarioError names the file and the key that is wrong, missing or unknown."""
-    try:
-        content = read_toml(Path(path), LARGEST_FILE)
-    except TomlError as error:
-        raise ScenarioError(str(error)) from error
+    content = read_toml(Path(path), LARGEST_FILE)
     with in_file(path):
         return mechanism_of(content, Path(path).parent)
 

@@ -11,7 +11,7 @@ from ....model.block import Parameter
 from ....model.curves import Curves
 from ....model.fibre import PENNATION
 from ....model.symbols import MUSCLES
-from ...files.errors import ScenarioError, TomlError, in_file
+from ...files.errors import ScenarioError, in_file
 from ...files.numbers import within
 from ...files.quote import shown, text
 from ...files.toml import read_toml
@@ -70,10 +70,7 @@ def read_muscles(path: str | Path) -> MusclePair:
     """The muscles of a TOML file. ScenarioError names the file and the key that is wrong, missing or unknown."""
     if not isinstance(path, str | Path):
         raise ScenarioError(f"muscles are a file's name or a pair that was read, not {shown(path)}")
-    try:
-        content = read_toml(Path(path))
-    except TomlError as error:
-        raise ScenarioError(str(error)) from error
+    content = read_toml(Path(path))
     with in_file(Path(path)):
         return muscle_pair(content, Path(path).parent)
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from ....model.block import Parameter
 from ....model.curves import CURVES, NGUYEN2019_PRINTED, CurveSet
 from ....model.fibre import PENNATION
-from ...files.errors import ScenarioError
+from ...files.errors import ScenarioError, in_file
 from ...files.quote import shown
 from ..curves import SUFFIX, read_curves, tabulated_curves
 from .keys import numbers, refuse_unknown, with_sds
@@ -90,13 +90,11 @@ def _curves(muscle: str, given: Mapping[str, tuple[object, str]], folder: Path |
     if "curves" not in given:
         raise ScenarioError(f"{muscle}.curves is missing; there are {', '.join(names)}, or a {SUFFIX} file")
     value, path = given["curves"]
-    try:
+    with in_file(path):
         if isinstance(value, dict):
             return tabulated_curves(value)
         if isinstance(value, str) and value.endswith(SUFFIX) and folder is not None:
             return read_curves(folder / value)
-    except ScenarioError as error:
-        raise ScenarioError(f"{path}: {error}") from error
     if not isinstance(value, str) or value not in names:
         raise ScenarioError(f"{path} must be one of {', '.join(names)}, or a {SUFFIX} file, not {shown(value)}")
     return CURVES[value]

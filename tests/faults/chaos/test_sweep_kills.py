@@ -39,7 +39,7 @@ def long(tmp_path_factory: pytest.TempPathFactory) -> tuple[bytes, float]:
 def test_fifty_kills_at_random_times(long, tmp_path: Path, record_property, seed: int) -> None:
     """Of one sweep after another; each goes on until it is done."""
     whole, seconds = long
-    draw, kills, ends = random.Random(seed), 0, 0
+    draw, kills = random.Random(seed), 0
     while kills < 50:
         process = subprocess.Popen(LONG, cwd=tmp_path, stderr=subprocess.PIPE, text=True, stdout=subprocess.DEVNULL)
         with contextlib.suppress(subprocess.TimeoutExpired):
@@ -49,7 +49,6 @@ def test_fifty_kills_at_random_times(long, tmp_path: Path, record_property, seed
         assert err == ""
         kept(tmp_path)
         if process.returncode == 0:
-            ends += 1
             assert (tmp_path / "x.nc").read_bytes() == whole
             assert os.listdir(tmp_path) == ["x.nc"]
             (tmp_path / "x.nc").unlink()
