@@ -7,7 +7,7 @@ import casadi as ca
 from .block import Block, Parameter, Parameters, Symbols, symbols
 from .curves import CurveSet
 from .dialect import clamp, outside
-from .fibre import PENNATION, along_fibres
+from .fibre import along_fibres, muscle_parameters
 
 ACTIVATION_LIMITS: Parameters = {
     "a_min": Parameter(
@@ -22,7 +22,7 @@ ACTIVATION_LIMITS: Parameters = {
 def _muscle(
     curves: CurveSet, oblique: bool, drive: Symbols, extra: Parameters
 ) -> tuple[Symbols, Symbols, Symbols, Parameters]:
-    parameters = {**curves.parameters, **({"pennation": PENNATION} if oblique else {}), **extra}
+    parameters = {**muscle_parameters(curves, oblique), **extra}
     return symbols("L_S"), Symbols({**symbols("L_m dL_m"), **drive}), symbols(parameters), parameters
 
 

@@ -10,7 +10,7 @@ import casadi as ca
 
 from .block import Parameter, Parameters, Symbols, symbols
 from .curves import NGUYEN2019, Curves, CurveSet, by_muscle
-from .fibre import PENNATION
+from .fibre import muscle_parameters
 from .skeleton.load import LENGTH, MASS, lengths, pull
 from .skeleton.paths import moment_arms
 from .symbols import MUSCLES, hat
@@ -97,8 +97,7 @@ class System:
     @functools.cached_property
     def curve_parameters(self) -> Parameters:
         """`BRA.k` … for all numbers of the muscles, shared by all Blocks that use them."""
-        oblique = {of: {"pennation": PENNATION} if of in self.pennate else {} for of in self.muscles}
-        return self._shared({of: {**self.curves[of].parameters, **oblique[of]} for of in self.muscles})
+        return self._shared({of: muscle_parameters(self.curves[of], of in self.pennate) for of in self.muscles})
 
     @functools.cached_property
     def tendon_parameters(self) -> Parameters:

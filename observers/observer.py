@@ -40,7 +40,7 @@ class Sizes:
 
 @dataclass(frozen=True)
 class JointSizes:
-    """Of a joint: noise of its position, ε of its chain, root mean square and largest of Δ."""
+    """Of a joint: noise of its position, ε of its chain, root mean square and largest of Δ; in the system's units."""
 
     sigma: float
     eps: float
@@ -50,7 +50,10 @@ class JointSizes:
 
 @dataclass(frozen=True)
 class MuscleSizes:
-    """Of a muscle: noise of its force and of the length that this tells, ε of chains of order 2 and 3, sizes of u."""
+    """Of a muscle: noise of its force and of the length that this tells, ε of chains of order 2 and 3, sizes of u.
+
+    In the system's units.
+    """
 
     sigma_F: float
     sigma_L: float
@@ -72,6 +75,11 @@ class SystemSizes:
         j, (first, second) = self.joints[joint], (self.muscles[name] for name in (muscles[0], muscles[-1]))
         noise = (j.sigma, first.sigma_F, second.sigma_F, first.sigma_L, second.sigma_L)
         return Sizes(*noise, j.eps, first.eps_2, first.eps_3, j.D, j.D_max, first.U, first.U_max)
+
+    def near(self, of: str) -> Sizes:
+        """Those of a joint and the first muscle, or of a muscle and the first joint."""
+        joint, muscle = next(iter(self.joints)), next(iter(self.muscles))
+        return self.of(of, muscle) if of in self.joints else self.of(joint, of)
 
     @property
     def pair(self) -> Sizes:
@@ -119,16 +127,12 @@ class Observer:
         """The gains for a recording of a system: chain by chain, by the names that the observer has for it."""
         if system.paper or not self.chains:
             return dict(self.gains(sizes.pair, T))
-        joint, muscle = system.joints[0], system.muscles[0]
         made_of = self.chains(True)
-        cells = {
-            **{of: (made_of.joint, sizes.of(of, muscle)) for of in system.joints},
-            **{of: (made_of.muscle, sizes.of(joint, of)) for of in system.muscles},
-        }
+        chain_of = {**dict.fromkeys(system.joints, made_of.joint), **dict.fromkeys(system.muscles, made_of.muscle)}
         return {
             f"{of}.{name}": value
-            for of, (chain, near) in cells.items()
-            for name, value in self.gains(near, T).items()
+            for of, chain in chain_of.items()
+            for name, value in self.gains(sizes.near(of), T).items()
             if name in chain.p
         }
 

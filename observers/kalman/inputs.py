@@ -12,11 +12,11 @@ from ..behind.spread import COVARIANCES
 from ..ports import ESTIMATES
 from ..slopes import SLOPES
 from ..tendons import LENGTHS
-from .chains import known_acceleration, last_in_use, start
+from .chains import Chain, known_acceleration, last_in_use, start
 from .model import Measurement, Model, Move
 from .motion import Motion
-from .parameters import CHOSEN, INPUTS, NOISE, driven
-from .states import INDEX, MEAN, QUANTITIES, scalars
+from .parameters import CHOSEN, INPUTS, NOISE
+from .states import CHAINS, INDEX, MEAN, QUANTITIES, scalars
 
 PARAMETERS: Parameters = {
     **NOISE,
@@ -53,13 +53,15 @@ def measurements(u: Symbols, p: Symbols, index: Mapping[str, int] = INDEX) -> li
 
 
 def _start(u: Symbols, p: Symbols) -> tuple[ca.SX, ca.SX]:
-    chains = [(names, order) for names, order, _ in driven(p)]
-    return start(measurements(u, p), zip(chains, (p.start_D, p.start_u, p.start_u), strict=True), p, INDEX)
+    return start(measurements(u, p), zip(_orders(p), (p.start_D, p.start_u, p.start_u), strict=True), p, INDEX)
+
+
+def _orders(p: Symbols) -> list[Chain]:
+    return list(zip(CHAINS.values(), (p.order_D, p.order_u, p.order_u), strict=True))
 
 
 def _noise(p: Symbols) -> Mapping[str, ca.SX]:
-    states = (last_in_use((names, order), INDEX) for names, order, _ in driven(p))
-    return dict(zip(DENSITIES, states, strict=True))
+    return dict(zip(DENSITIES, (last_in_use(chain, INDEX) for chain in _orders(p)), strict=True))
 
 
 def _told(mean: ca.SX, P: ca.SX, now: Symbols) -> Symbols:

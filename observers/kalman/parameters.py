@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 
-import casadi as ca
-
-from ...model.block import Parameter, Parameters, Symbols
+from ...model.block import Parameter, Parameters
 from ..observer import Sizes
-from .states import CHAINS, LONGEST
+from .states import LONGEST
 
 CHOSEN = "chosen, docs/observers.md#kalman"
 # of uniform noise within ±w it is w/√3
@@ -41,12 +39,6 @@ _NOISES = ("sigma_1", "sigma_F1", "sigma_F2", "sigma_L1", "sigma_L2")
 # an input is taken to change within this time, in τ, however little the recording tells of it
 _LONGEST = 5.0
 _USUAL = 2
-
-
-def driven(p: Symbols) -> Iterator[tuple[tuple[str, ...], ca.SX, ca.SX]]:
-    """Each chain with its order and √density."""
-    orders, densities = (p.order_D, p.order_u, p.order_u), (p.s_D, p.s_u1, p.s_u2)
-    return zip(CHAINS.values(), orders, densities, strict=True)
 
 
 def resolved(s: Sizes, T: float) -> Sizes:

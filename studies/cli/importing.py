@@ -81,7 +81,7 @@ def _complete_files(ctx: click.Context, param: click.Parameter, incomplete: str)
 )
 @click.option("--muscles", metavar="A,B,…", help="Only these muscles.")
 @click.option("--fit", is_flag=True, help="Let OpenSim fit polynomials for muscles that have none, over the ranges.")
-@whole_option("--order", LEAST_ORDER, "Of the polynomials of --fit.", default=5)
+@whole_option("--order", LEAST_ORDER, "Of the polynomials of --fit.", default=5, most=MOST_ORDER)
 @click.option("--out", metavar="FILE.toml", shell_complete=_complete_files, help="Where the mechanism is written.")
 @click.pass_context
 def import_(
@@ -105,8 +105,6 @@ def import_(
         raise ScenarioError("--muscles must be names with commas between")
     if not fit and ctx.get_parameter_source("order") is not ParameterSource.DEFAULT:
         raise ScenarioError("--order is that of --fit, which is not asked for")
-    if order > MOST_ORDER:
-        raise ScenarioError(f"--order must be at most {MOST_ORDER}, not {order}")
     place = None if out is None else _place(out)
     fits: list[Fitted] = []
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 import xarray as xr
+from click.core import ParameterSource
 
 from ...observers.observability import TOLERANCE
 from ..figures.observability import along_figure, map_figure
@@ -41,6 +42,7 @@ _LEAST_ORDER = 2
 
 
 @click.command()
+@click.pass_context
 @scenario_argument("paper-clean")
 @click.option(
     "--at", "place", metavar="x1=..,x3=..", help="The point; the rest is the scenario's at τ = 0 (a mechanism at rest)."
@@ -61,6 +63,7 @@ _LEAST_ORDER = 2
 @click.option("--json", "as_json", is_flag=True, help="The answer as JSON.")
 @click.option("--out", default="results", show_default=True, metavar="DIR", help="Where maps and runs are written.")
 def observability(
+    ctx: click.Context,
     scenario: str,
     place: str | None,
     mechanism: str | None,
@@ -79,8 +82,9 @@ def observability(
     sensors = None if outputs is None else [name.strip() for name in outputs.split(",") if name.strip()]
     limit = _tolerance(tolerance)
     if mechanism is not None:
-        if along or axes is not None or changes:
-            raise ScenarioError("--along, --map and --set are for scenarios; of a mechanism one point is looked at")
+        named = ctx.get_parameter_source("scenario") is not ParameterSource.DEFAULT
+        if named or along or axes is not None or changes:
+            raise ScenarioError("a SCENARIO, --along, --map and --set go without --mechanism: it has one point")
         sys.exit(_of_mechanism(mechanism, sensors, unknown, order, signals, limit, place or "", as_json))
     prepared = prepare(scenario, None, changes)
     question = pose(prepared, sensors, unknown, order, signals)

@@ -28,7 +28,7 @@ def gain_conditions(
     p, about = symbols(numbers), symbols(FACTS)
     checked: list[Checked] = []
     for of, view in observer.views(system, p).items():
-        near = sizes.pair if system.paper else _neighbours(sizes, system, of)
+        near = sizes.pair if system.paper else sizes.near(of)
         theorem = observer.theorem(view, about)
         if of:
             # about numbers of this joint or muscle, and not its neighbour's alone
@@ -37,11 +37,6 @@ def gain_conditions(
         found = check(theorem, Symbols({**p, **about}), {**numbers, **_facts(near, h)})
         checked += [replace(condition, name=f"{of}: {condition.name}") if of else condition for condition in found]
     return checked
-
-
-def _neighbours(sizes: SystemSizes, system: System, of: str) -> Sizes:
-    """Those of a joint and the first muscle, or of a muscle and the first joint."""
-    return sizes.of(of, system.muscles[0]) if of in system.joints else sizes.of(system.joints[0], of)
 
 
 def _each_once(conditions: list[Condition]) -> list[Condition]:

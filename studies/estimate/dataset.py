@@ -47,6 +47,8 @@ _UNITS: Mapping[str, tuple[str, str]] = {
 }
 # between the two, where some joints slide and some turn
 _OR = " or "
+# unit of the Dataset → that on paper, and how many of these it is
+ON_PAPER: Mapping[str, tuple[str, float]] = {"m": ("mm", 1e3), "m/s": ("mm/s", 1e3)}
 # noise about the end of a joint's range, as a part of it
 _AT_THE_END = 0.01
 Variable = tuple[tuple[str, ...], np.ndarray[Any, Any], dict[str, str]]

@@ -17,7 +17,7 @@ from matplotlib.ticker import MaxNLocator
 
 from ...model.arrays import Array
 from ...observers import label
-from ..estimate.dataset import joint_units
+from ..estimate.dataset import ON_PAPER, joint_units
 from ..estimate.scores import SETTLED, WITHIN_95
 from ..files.quote import drawn
 from . import style
@@ -76,12 +76,10 @@ class Panel:
 _ACTIVATION = (-0.03, 1.03)
 # a sheet of more muscles shows what they do, and not each length and each error
 _MOST_IN_FULL = 2
-# unit of the Dataset → that on paper, and how many of these it is
-_ON_PAPER = {"m": ("mm", 1e3), "m/s": ("mm/s", 1e3)}
 
 
 def _on_paper(unit: str) -> tuple[str, float]:
-    return _ON_PAPER.get(unit, (unit, 1.0))
+    return ON_PAPER.get(unit, (unit, 1.0))
 
 
 def _units(thin: xr.Dataset, variable: str) -> dict[str, str]:

@@ -104,11 +104,13 @@ def doubt_option() -> Decorator:
     )
 
 
-def whole_option(name: str, least: int, sentence: str, default: int | None = None, metavar: str = "N") -> Decorator:
-    """A whole number of at least `least`, strictly: no underscores, no digits of other scripts."""
+def whole_option(
+    name: str, least: int, sentence: str, default: int | None = None, metavar: str = "N", most: int | None = None
+) -> Decorator:
+    """A whole number from `least` to `most`, strictly: no underscores, no digits of other scripts."""
 
     def read(ctx: click.Context, param: click.Parameter, typed: str | None) -> int | None:
-        return None if typed is None else typed_whole(name, typed, least)
+        return None if typed is None else typed_whole(name, typed, least, most)
 
     usual = None if default is None else str(default)
     return click.option(

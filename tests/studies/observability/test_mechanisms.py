@@ -85,7 +85,7 @@ def test_the_command_answers_for_a_mechanism(command) -> None:
     code, out, _ = command("observability", "--mechanism", HINGE, "--outputs", "elbow", "--order", "1")
     assert code == 1
     assert "0, 1, …: 1, 2; a higher --order may add to it" in out
-    for option in (("--along",), ("--map", "x1,x3"), ("--set", "duration=1")):
+    for option in (("slack",), ("--along",), ("--map", "x1,x3"), ("--set", "duration=1")):
         code, _, err = command("observability", "--mechanism", HINGE, *option)
         assert code == 2
-        assert "are for scenarios" in err
+        assert "go without --mechanism" in err

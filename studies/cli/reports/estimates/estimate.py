@@ -15,6 +15,7 @@ from .....model.arrays import Array
 from .....model.skeleton.load import pull
 from .....observers import label
 from ....estimate.bands.doubt import stated
+from ....estimate.dataset import ON_PAPER
 from ....estimate.scores import SETTLED, WITHIN_95, Score
 from ....estimate.sizes.first_pass import FEW
 from ..conditions import violated_conditions
@@ -24,7 +25,7 @@ from .likelihood import decisions
 # a table in the units that muscles have
 _SHOWN = ("velocity", "disturbance", "fibre_length", "fibre_velocity", "activation")
 # unit of a score → that of the table, and how many of these it is
-_UNITS = {"m": ("mm", 1e3), "m/s": ("mm/s", 1e3), "1": ("", 1.0)}
+_UNITS = {**ON_PAPER, "1": ("", 1.0)}
 # episodes named one by one
 _FEW = 3
 # a time from here on has no decimals

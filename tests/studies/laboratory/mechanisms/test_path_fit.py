@@ -134,7 +134,8 @@ def test_without_opensim_the_extra_is_named(command: Command, wrapped: Path, mon
         "hillobs: arm26.osim: --fit needs OpenSim, which is not installed: pip install 'hillobs[opensim]'\n",
     )
     assert (
-        command("import", wrapped.name, "--fit", "--order", "12")[2] == "hillobs: --order must be at most 9, not 12\n"
+        command("import", wrapped.name, "--fit", "--order", "12")[2]
+        == "hillobs: --order must be a whole number from 2 to 9, not '12'\n"
     )
 
 
