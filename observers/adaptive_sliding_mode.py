@@ -85,8 +85,7 @@ SECOND = {
 
 def chains(corrected: bool = False) -> Chains:
     """Their states are the estimates, unless these are `corrected`, and two adaptive ones for each chain."""
-    parameters = {**PARAMETERS, **(CORRECTION if corrected else {})}
-    return Chains("adaptive_sliding_mode", joint(corrected), muscle(corrected), parameters, SECOND)
+    return Chains("adaptive_sliding_mode", joint(corrected), muscle(corrected), {**PARAMETERS, **CORRECTION}, SECOND)
 
 
 def joint(corrected: bool) -> Block:

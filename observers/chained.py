@@ -23,11 +23,15 @@ _MUSCLE = {"x3_hat": "L_S", "u1_hat": "u"}
 VELOCITY, LACK = "velocity", "lack"
 
 _INITIAL = "initial."
+
+
+def _start(x: str, value: float) -> Parameter:
+    sentence = f"estimate of {x} at the start"
+    return Parameter(value, sentence, "chosen, docs/observers.md#start", shared=f"{_INITIAL}{hat(x)}")
+
+
 START: Parameters = {
-    f"{_INITIAL}{hat(x)}": Parameter(
-        value, f"estimate of {x} at the start", "chosen, docs/observers.md#start", shared=f"{_INITIAL}{hat(x)}"
-    )
-    for x, value in {"x1": 2.62, "x2": 0.0, "x3": 2.01, "x4": 2.01}.items()
+    f"{_INITIAL}{hat(x)}": _start(x, value) for x, value in {"x1": 2.62, "x2": 0.0, "x3": 2.01, "x4": 2.01}.items()
 }
 START_OF_JOINT, START_OF_MUSCLE = ("initial.x1_hat", "initial.x2_hat"), ("initial.x3_hat",)
 
@@ -165,9 +169,7 @@ def _with_numbers(block: Block, parameters: Parameters, system: System) -> Block
         if key in parameters:
             return parameters[key]
         if key.startswith(_INITIAL):
-            state = key.removeprefix(_INITIAL).removesuffix("_hat")
-            sentence = f"estimate of {state} at the start"
-            return Parameter(0.0, sentence, "chosen, docs/observers.md#start", shared=key)
+            return _start(key.removeprefix(_INITIAL).removesuffix("_hat"), 0.0)
         # what muscle 1 shares is that of the pair
         return replace(parameters[key.rpartition(".")[2]], shared="")
 

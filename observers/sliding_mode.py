@@ -38,8 +38,7 @@ SECOND = {"alpha2": "alpha3", "c_3": "c_4"}
 
 def chains(corrected: bool = False) -> Chains:
     """Their states are the estimates, unless these are `corrected`."""
-    parameters = {**PARAMETERS, **(CORRECTION if corrected else {})}
-    return Chains("sliding_mode", joint(corrected), muscle(corrected), parameters, SECOND)
+    return Chains("sliding_mode", joint(corrected), muscle(corrected), {**PARAMETERS, **CORRECTION}, SECOND)
 
 
 def joint(corrected: bool) -> Block:

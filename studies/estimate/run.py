@@ -16,7 +16,6 @@ from ...codegen.bank import Bank
 from ...codegen.recordings.filters import CompiledBank
 from ...model.arrays import Array
 from ...model.block import Block
-from ...model.symbols import hat
 from ...observers import OBSERVERS, Observer
 from ..files.errors import RecordingError, ScenarioError
 from ..files.numbers import number, switch, whole
@@ -50,6 +49,7 @@ from .follow import (
     measured_tendons,
 )
 from .sizes.first_pass import compile_first_pass, first_pass
+from .start import at_rest
 from .substeps import substeps
 
 # periods of the muscles' own time 1/v_max between samples beyond which nothing can be followed
@@ -278,12 +278,8 @@ def _follow(
 
 
 def _start(case: Case) -> dict[str, float]:
-    """x̂(0) from the first sample, at rest."""
-    system = case.subject.system
-    first = [*case.y[0, : len(system.joints)], *case.z[0]]
-    known = dict(zip((*system.joint("q"), *system.muscle("L_S")), first, strict=True))
-    known |= dict.fromkeys(system.joint("dq"), 0.0)
-    return {f"initial.{hat(name)}": float(value) for name, value in known.items()}
+    """x̂(0) from the first sample."""
+    return at_rest(case.subject.system, [*case.y[0, : len(case.subject.system.joints)], *case.z[0]])
 
 
 def _named(names: Mapping[str, object], columns: Array) -> dict[str, Array]:

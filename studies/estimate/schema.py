@@ -19,7 +19,6 @@ _TIME, _OF_OBSERVERS = ("time",), ("observer", "time")
 def _schema(joint: tuple[str, ...]) -> Schema:
     """Of estimates whose joints have this dimension: none of a pair."""
     both, alone = (*_OF_OBSERVERS, "muscle"), (*_OF_OBSERVERS, *joint)
-    per_muscle = ("tendon_length", "fibre_length", "fibre_velocity", "activation")
     names = TEXTS if joint else WHOLES
     return Schema(
         variables={
@@ -29,8 +28,7 @@ def _schema(joint: tuple[str, ...]) -> Schema:
             "observer": (("observer",), TEXTS),
             "position": ((*_TIME, *joint), FLOATS),
             "force": ((*_TIME, "muscle"), FLOATS),
-            **{f"{name}_hat": (alone, FLOATS) for name in ("position", "velocity", "disturbance")},
-            **{f"{name}_hat": (both, FLOATS) for name in per_muscle},
+            **{f"{name}_hat": (both if name in PER_MUSCLE else alone, FLOATS) for name in ESTIMATED},
             "position_innovation": (alone, FLOATS),
             "tendon_innovation": (both, FLOATS),
             "velocity_limited": (both, WHOLES),

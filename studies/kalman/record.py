@@ -19,7 +19,7 @@ from .passes import table
 # in τ, from its start on, a filter settles: what it innovates there tells nothing of densities
 SETTLED = 1.5
 # statistics of fewer samples are none
-_FEW = 50
+FEW = 50
 # of a long recording: number of blocks that densities are fitted to, and samples of each
 _BLOCKS, _BLOCK = 10, 10_000
 
@@ -80,7 +80,7 @@ def segments(length: int) -> Iterator[slice]:
 def settled(rows: Array, settling: float = SETTLED) -> Array:
     """The rows of a segment, of which those at its start do not count, unless hardly any would be left."""
     late = rows[:, 0] >= rows[0, 0] + settling
-    if rows[late, -1].sum() < _FEW:
+    if rows[late, -1].sum() < FEW:
         return rows
     rows = rows.copy()
     rows[:, -1] *= late
@@ -89,7 +89,7 @@ def settled(rows: Array, settling: float = SETTLED) -> Array:
 
 def refuse_short(source: str, length: int) -> None:
     """RecordingError for a recording that no statistics can be made of."""
-    if length < _FEW:
+    if length < FEW:
         raise RecordingError(
-            f"{source}: has {length} rows of numbers; a Kalman filter finds its densities in {_FEW} or more"
+            f"{source}: has {length} rows of numbers; a Kalman filter finds its densities in {FEW} or more"
         )

@@ -65,5 +65,7 @@ def _bank(curves: Curves, observers: tuple[Observer, ...], corrected: bool, acti
 @functools.lru_cache(maxsize=16)
 def all_paths(own: tuple[Observer, ...] = (), curves: Curves = NGUYEN2019, corrected: bool = False) -> Paths:
     """The table of all paths, whatever drives the plant; `own` are a user's observers."""
-    loops = [paper_loop(drive, curves, (*OBSERVERS.values(), *own), corrected) for drive in DRIVES]
+    # spelled as a run spells it, which finds the loop in memory
+    rest = (None, QUANTITIES, MEASURES)
+    loops = [paper_loop(drive, curves, (*OBSERVERS.values(), *own), corrected, *rest) for drive in DRIVES]
     return paths_of([*(loop.truth for loop in loops), loops[0].sensors, *loops[0].observers, loops[0].score])

@@ -7,7 +7,6 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from ...model.arrays import Array
-from ...model.skeleton.load import lengths
 from ..estimate.case import Case
 from .finding import Finding, plain
 from .hanging import hanging
@@ -46,7 +45,7 @@ def of_measurements(case: Case) -> Iterator[Finding]:
             )
         elif _stands_still(force, sigmas[j]):
             yield _still(f"force_{j}", "a dead sensor or amplifier?", force)
-    L_m = np.stack(lengths(case.y[:, 0], case.scales.numbers["plant.C"]), axis=1)
+    L_m = case.subject.laws.lengths(case.y[:, :1])
     for j, muscle in enumerate((case.pair.muscle1, case.pair.muscle2), start=1):
         fibre = (L_m[:, j - 1] - case.z[:, j - 1]) * case.scales.length / muscle.optimal_fibre_length
         beyond = float(np.mean((fibre < _SHORTEST) | (fibre > _LONGEST)))

@@ -8,14 +8,13 @@ import numpy as np
 
 from ...model.arrays import Array
 from ..estimate.sizes.noise import noise
+from ..kalman.record import FEW
 from ..laboratory.gaps import LONGEST_GAP
 
 # noise below this, in F₀ and l₀, is that of digits: there equal numbers mean nothing
 NO_NOISE = 1e-6
 # steps below this part of a signal are none
 _ROUNDING = 1e-12
-# statistics of fewer samples are none
-_FEW = 50
 # a run of equal numbers is no chance if it would come up in fewer recordings than this
 _CHANCE = 1e-6
 
@@ -33,7 +32,7 @@ def hanging(time: Array, signal: Array, T: float) -> tuple[float, float] | None:
     longest = int(np.argmax(ends - starts))
     first, last = int(starts[longest]), int(ends[longest])
     elsewhere = np.concatenate([signal[:first], signal[last + 1 :]])
-    if time[last] - time[first] <= LONGEST_GAP or len(elsewhere) < _FEW:
+    if time[last] - time[first] <= LONGEST_GAP or len(elsewhere) < FEW:
         return None
     sigma, steps = noise(elsewhere, T).sigma, np.abs(np.diff(elsewhere))
     # the digits of a rounded signal, else next to nothing

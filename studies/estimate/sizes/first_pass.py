@@ -22,7 +22,9 @@ from ....model.system import System
 from ....observers.chained import told
 from ....observers.high_gain import HIGH_GAIN, chains
 from ....observers.observer import JointSizes, MuscleSizes, SystemSizes
+from ...kalman.record import FEW
 from ...laboratory.laws import Laws
+from ..start import at_rest
 from ..substeps import substeps
 from .noise import Noise, despiked, even_steps, noise
 from .timescales import filled, smoothed, time_scale, twice_integrated
@@ -45,8 +47,6 @@ _PASSED = 3 / 16
 _SPREAD = 0.02
 # of a long recording: number of blocks that are looked at, and samples of each
 _BLOCKS, _BLOCK = 10, 10_000
-# statistics of fewer samples are none
-FEW = 50
 
 # of a recording too short for statistics
 _SHORT_JOINT = JointSizes(sigma=1e-3, eps=0.2, D=0.1, D_max=0.2)
@@ -149,9 +149,7 @@ def _with_inputs(
     block = compiled.bank.observers[0]
     numbers = {name: parameter.default for name, parameter in block.parameters.items()}
     numbers |= HIGH_GAIN.gains_of(system, sizes, T)
-    starts = dict(zip((*system.joint("q"), *system.muscle("L_S")), signals[0], strict=False))
-    numbers |= {f"initial.{hat(name)}": float(value) for name, value in starts.items()}
-    numbers |= {f"initial.{hat(name)}": 0.0 for name in system.joint("dq")}
+    numbers |= at_rest(system, signals[0, : len(system.joints) + len(system.muscles)].tolist())
     n = len(signals)
     times: Array = np.arange(n, dtype=float) * T
     steps = substeps(HIGH_GAIN, system, block, numbers, {}, T)

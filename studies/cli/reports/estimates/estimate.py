@@ -17,7 +17,7 @@ from .....observers import label
 from ....estimate.bands.doubt import stated
 from ....estimate.dataset import ON_PAPER
 from ....estimate.scores import SETTLED, WITHIN_95, Score
-from ....estimate.sizes.first_pass import FEW
+from ....kalman.record import FEW
 from ..conditions import violated_conditions
 from ..number import counted, number
 from .likelihood import decisions
