@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import casadi as ca
 
 from .block import Block, Parameter, Parameters, Symbols, symbols
@@ -42,7 +44,10 @@ def virtual_muscle(curves: CurveSet, oblique: bool = False) -> Block:
 
 
 def activated_muscle(curves: CurveSet, oblique: bool = False) -> Block:
-    """Driven by the activation a, limited to [a_min, 1]. Inputs L_m, dL_m, a; outputs as those of `virtual_muscle`."""
+    """Driven by the activation a, limited to [a_min, 1]. Inputs L_m, dL_m, a; outputs as those of `virtual_muscle`.
+
+    And `stiffness`: the rate at which the tendon comes to rest, −∂L̇_S/∂L_S, which an integration step has to resolve.
+    """
     x, u, p, parameters = _muscle(curves, oblique, symbols("a"), ACTIVATION_LIMITS)
     a = clamp(u.a, p.a_min, 1)
     Phi_S = curves.Phi_S(x.L_S, p)
@@ -51,14 +56,17 @@ def activated_muscle(curves: CurveSet, oblique: bool = False) -> Block:
     # L_m − L_S shrinks with u, the fibre with u cos α
     drive = shortening / share
     guards = Symbols(a_limit=outside(u.a, p.a_min, 1), z_limit=z_limit)
-    return _block(x, u, p, parameters, Phi_S, L_C, drive=drive, a=a, guards=guards)
+    block = _block(x, u, p, parameters, Phi_S, L_C, drive=drive, a=a, guards=guards)
+    return replace(block, y=Symbols({**block.y, "stiffness": -ca.jacobian(drive, x.L_S)}))
 
 
-def requested_activation(curves: CurveSet) -> Block:
-    """The activation that the controller's request u asks for. Inputs Phi_S, L_C, u; output a, not yet limited."""
-    u, p = symbols("Phi_S L_C u"), symbols(curves.parameters)
-    y = Symbols(a=curves.activation(u.Phi_S, u.L_C, u.u, p))
-    return Block("request", u=u, p=p, parameters=curves.parameters, y=y)
+def requested_activation(curves: CurveSet, oblique: bool = False) -> Block:
+    """The activation that the controller's request u asks for. Inputs L_m, L_S, u; output a, not yet limited."""
+    parameters = muscle_parameters(curves, oblique)
+    u, p = symbols("L_m L_S u"), symbols(parameters)
+    force = curves.Phi_S(u.L_S, p)
+    y = Symbols(a=curves.activation(*along_fibres(force, u.L_m, u.L_S, u.u, p), p))
+    return Block("request", u=u, p=p, parameters=parameters, y=y)
 
 
 def _block(

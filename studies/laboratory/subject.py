@@ -182,6 +182,7 @@ def _mechanism_subject(file: str) -> Subject:
         {name: mechanism.paths[name].scaled(s.length, units) for name in muscles},
         {name: muscle.curves for name, muscle in mechanism.muscles.items()},
         frozenset(name for name, muscle in mechanism.muscles.items() if muscle.pennation),
+        {name: point.scaled(s.length) for name, point in mechanism.points.items()},
     )
     names, columns = _columns(mechanism)
     return Subject(

@@ -9,7 +9,7 @@ from ...codegen.bank import Bank
 from ...codegen.loop import Loop
 from ...codegen.stepper import STAGES
 from ...model.block import Block
-from ...model.closed_loop import closed_loop
+from ...model.loops.closed_loop import closed_loop
 from ...model.curves import NGUYEN2019, Curves
 from ...model.plant import DRIVES
 from ...model.sensors import NOISE_CHANNELS, sensors
