@@ -21,8 +21,8 @@ REFERENCES = ("r", "dr", "ddr", "dddr")
 _CHOSEN = "chosen, docs/mechanisms.md#control"
 PARAMETERS: Parameters = {
     **{name: OF_THE_PAIR[name] for name in ("gamma", "q", "R", "u_max")},
-    "k_c": Parameter(1.0, "rate at which muscles go to their co-contraction", _CHOSEN, least=0),
-    "a_c": Parameter(0.1, "activation of each muscle at rest that the pretension holds", _CHOSEN, least=0, most=1),
+    "k_c": Parameter(3.0, "rate at which muscles go to their co-contraction", _CHOSEN, least=0),
+    "a_c": Parameter(0.2, "activation at rest that the pretension leads to", _CHOSEN, above=0, most=1),
 }
 # of the trace of G W Gᵀ: where all tendons are slack nothing can be asked of them
 _RIDGE, _LEAST = 1e-9, 1e-12
