@@ -11,6 +11,8 @@ from .curves import CurveSet
 from .dialect import clamp, outside
 from .fibre import along_fibres, muscle_parameters
 
+# keeps 0/0 out of the stiffness where the force does not depend on the velocity
+_RIGID = 1e-12
 ACTIVATION_LIMITS: Parameters = {
     "a_min": Parameter(
         0.01, "smallest activation that a muscle can be given", "chosen, docs/model.md#drives", above=0, below=1
@@ -57,7 +59,18 @@ def activated_muscle(curves: CurveSet, oblique: bool = False) -> Block:
     drive = shortening / share
     guards = Symbols(a_limit=outside(u.a, p.a_min, 1), z_limit=z_limit)
     block = _block(x, u, p, parameters, Phi_S, L_C, drive=drive, a=a, guards=guards)
-    return replace(block, y=Symbols({**block.y, "stiffness": -ca.jacobian(drive, x.L_S)}))
+    stiffness = (1 - z_limit) * _stiffness(curves, x.L_S, u.L_m, a, drive, p)
+    return replace(block, y=Symbols({**block.y, "stiffness": stiffness}))
+
+
+def _stiffness(curves: CurveSet, L_S: ca.SX, L_m: ca.SX, a: ca.SX, drive: ca.SX, p: Symbols) -> ca.SX:
+    """−∂u/∂L_S of the u that balances tendon and fibres, by the implicit function theorem."""
+    at, v = ca.SX.sym("L_S"), ca.SX.sym("u")
+    along, L_C, shortening = along_fibres(curves.Phi_S(at, p), L_m, at, v, p)
+    # E(L_S, u) = 0:  −∂u/∂L_S = ∂E/∂L_S/∂E/∂u
+    E = along - curves.force(L_C, a, shortening, p)
+    ratio = ca.jacobian(E, at) / ca.fmax(ca.jacobian(E, v), _RIGID)
+    return ca.substitute(ratio, ca.vertcat(at, v), ca.vertcat(L_S, drive))
 
 
 def requested_activation(curves: CurveSet, oblique: bool = False) -> Block:
