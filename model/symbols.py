@@ -91,10 +91,20 @@ def kind_of(quantity: str) -> str:
     return _IN_A_SYSTEM[quantity][0] if quantity in _IN_A_SYSTEM else quantity.rpartition(".")[2]
 
 
+def is_quantity(name: str) -> bool:
+    """Whether it is called as a quantity of the pair, or of a joint or muscle, is."""
+    owner, _, kind = name.rpartition(".")
+    return name in _IN_A_SYSTEM or (kind in _LIKE and owner.isidentifier())
+
+
+def owner_of(quantity: str) -> str:
+    """The joint or muscle that a quantity is of."""
+    return _IN_A_SYSTEM[quantity][1] if quantity in _IN_A_SYSTEM else quantity.rpartition(".")[0]
+
+
 def muscle_of(quantity: str) -> str | None:
     """The muscle whose slack tendon makes `quantity` meaningless, or None."""
-    owner = _IN_A_SYSTEM[quantity][1] if quantity in _IN_A_SYSTEM else quantity.rpartition(".")[0]
-    return owner if kind_of(quantity) in ("L_S", "u", "a") else None
+    return owner_of(quantity) if kind_of(quantity) in ("L_S", "u", "a") else None
 
 
 def taut_of(muscle: str) -> str:
@@ -103,7 +113,7 @@ def taut_of(muscle: str) -> str:
 
 
 def signal_of(name: str) -> Signal:
-    """A signal of the table, or that of a joint or muscle such as `BRA.L_S`, with the tolerance and size of its kind."""
+    """A signal of the table, or of a joint or muscle, such as `BRA.L_S`, with the tolerance and size of its kind."""
     if name in SIGNALS:
         return SIGNALS[name]
     owner, _, kind = name.rpartition(".")

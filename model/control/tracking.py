@@ -9,12 +9,12 @@ from collections.abc import Sequence
 
 import casadi as ca
 
-from .backstepping import PARAMETERS as OF_THE_PAIR
-from .backstepping import riccati
 from ..block import Block, BlockError, Parameter, Parameters, Symbols, symbols
 from ..dialect import clamp, outside, solved
 from ..fibre import along_fibres
 from ..system import System
+from .backstepping import PARAMETERS as OF_THE_PAIR
+from .backstepping import riccati
 
 REFERENCES = ("r", "dr", "ddr", "dddr")
 
@@ -53,7 +53,7 @@ def tracking(system: System, tracked: Sequence[str]) -> Block:
 
     # y = φ(q),  ẏ = J q̇,  ÿ = J q̈ + J̇ q̇
     F = ca.SX.sym("F", len(forces))
-    ddq = ca.vertcat(*system.accelerations(*(ca.vertsplit(values) for values in (q, dq, F)), p)) + Delta
+    ddq = ca.vertcat(*system.accelerations(ca.vertsplit(q), ca.vertsplit(dq), ca.vertsplit(F), p)) + Delta
     places = system.places(ca.vertsplit(q))
     y = ca.vertcat(*(places[name] for name in tracked))
     dy = ca.jtimes(y, q, dq)

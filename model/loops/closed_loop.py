@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ..control.backstepping import backstepping
 from ..block import Block, Symbols
+from ..control.backstepping import backstepping
 from ..curves import NGUYEN2019, Curves
 from ..limits import limits
 from ..plant import plant as plant_of

@@ -92,7 +92,10 @@ def _copy(block: Block, name: str, prefix: str) -> tuple[Block, str]:
 def _starting(truth: Block, system: System) -> Block:
     """The same, from where `start` lets it start."""
     told = {f"{state}_0" for state in system.states}
-    parameters = {**{key: value for key, value in truth.parameters.items() if key not in told}, **start_parameters(system)}
+    parameters = {
+        **{key: value for key, value in truth.parameters.items() if key not in told},
+        **start_parameters(system),
+    }
     p = Symbols({key: truth.p.get(key, ca.SX.sym(key)) for key in parameters})
     return replace(truth, p=p, parameters=parameters, x0=Symbols({**truth.x0, **start(system, p)}))
 

@@ -43,7 +43,7 @@ def start(system: System, p: Symbols) -> Symbols:
     numbers = [p.part(muscle) for muscle in system.muscles]
     curves = [system.curves[muscle] for muscle in system.muscles]
     straight = [c.toe_force(n) for c, n in zip(curves, numbers, strict=True)]
-    L_S = [c.Phi_S_inv(_GUESS * force, n) for c, n, force in zip(curves, numbers, straight, strict=True)]
+    L_S = [c.Phi_S_inv(ca.SX(_GUESS * force), n) for c, n, force in zip(curves, numbers, straight, strict=True)]
     for _ in range(_ROUNDS):
         wanted, full = [], []
         for muscle, of, n, L_m, L in zip(system.muscles, curves, numbers, lengths, L_S, strict=True):
@@ -61,9 +61,7 @@ def start(system: System, p: Symbols) -> Symbols:
     return Symbols({**dict(moving), **dict(zip(system.muscle("L_S"), L_S, strict=True))})
 
 
-def _balanced(
-    system: System, q: list[ca.SX], dq: list[ca.SX], wanted: ca.SX, full: ca.SX, p: Symbols
-) -> ca.SX:
+def _balanced(system: System, q: list[ca.SX], dq: list[ca.SX], wanted: ca.SX, full: ca.SX, p: Symbols) -> ca.SX:
     """The forces (muscles × 1) nearest to those wanted, as parts of the full ones, that accelerate no joint."""
     F = ca.SX.sym("F", len(system.muscles))
     acc = ca.vertcat(*system.accelerations(q, dq, ca.vertsplit(F), p))

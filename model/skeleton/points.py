@@ -36,11 +36,9 @@ def position(tree: Tree, point: Point, q: Mapping[str, ca.SX]) -> ca.SX:
     while number >= 0:
         body = chain[number]
         turned, origin = ca.SX(ca.DM(body.joint.turned)), _dense(body.joint.at)
-        if body.slides:
-            at = at + _dense(body.axis) * q[body.name]
-        else:
-            at = symbolic_about(body.axis, q[body.name]) @ at
-        at, number = turned @ at + origin, body.parent
+        coordinate = q[body.name]
+        moved = at + _dense(body.axis) * coordinate if body.slides else symbolic_about(body.axis, coordinate) @ at
+        at, number = turned @ moved + origin, body.parent
     return ca.densify(at)
 
 

@@ -26,8 +26,8 @@ from ..laboratory.muscles import MusclePair
 from ..laboratory.recording import Recording
 from ..scenarios.layers import SUFFIX, Value, layers, shipped
 from ..scenarios.paths import paths_of
-from ..scenarios.world import PairWorld
 from ..scenarios.prepare import prepare
+from ..scenarios.world import PairWorld
 from ..simulate.run import simulate_prepared
 from .follow import compiled_bank, follower_bank, lengths_block, measured_tendons
 from .run import KALMAN, estimate

@@ -16,7 +16,10 @@ _ROUNDING = 1e-9
 
 
 def time_grid(value: Callable[[str], float], pulses: Sequence[str] = ()) -> Grid:
-    """The grid in whole steps, with the pulses named; ScenarioError if a time is not a multiple of the step, or the run too long."""
+    """The grid in whole steps, with the pulses named.
+
+    ScenarioError if a time is not a multiple of the step, or the run too long.
+    """
     h, duration = value("step"), value("duration")
     if h > duration:
         raise ScenarioError(f"step = {h:g} must not exceed duration = {duration:g}")

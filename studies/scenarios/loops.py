@@ -1,4 +1,4 @@
-"""The closed loop with every registered observer, its table of paths, and its library: the paper's, or a mechanism's."""
+"""The closed loop with every registered observer, and its table of paths: the paper's, or a mechanism's."""
 
 from __future__ import annotations
 
@@ -113,9 +113,7 @@ def paths_of_mechanism(
     system = subject.system
     chained = tuple(observer for observer in OBSERVERS.values() if observer.chains)
     scored = (system.quantities, MEASURES)
-    loops = [
-        loop_of_mechanism(subject, drive, tracked, (*chained, *own), corrected, *scored) for drive in drives
-    ]
+    loops = [loop_of_mechanism(subject, drive, tracked, (*chained, *own), corrected, *scored) for drive in drives]
     return paths_of(
         [*(loop.truth for loop in loops), loops[0].sensors, *loops[0].observers, loops[0].score],
         TIMES,
@@ -130,7 +128,10 @@ def _usual(subject: Subject, tracked: Sequence[str]) -> dict[str, float]:
     ranges = [bound.range for bound in subject.positions.values()]
     middle = np.array([sum(limits) / 2 if limits else 0.0 for limits in ranges]) / subject.scales.coordinates
     start = dict(zip(system.joint("q"), middle.tolist(), strict=True))
-    slack = {name: subject.scales.numbers[f"{of}.L_slack"] for of, name in zip(system.muscles, system.muscle("L_S"), strict=True)}
+    slack = {
+        name: subject.scales.numbers[f"{of}.L_slack"]
+        for of, name in zip(system.muscles, system.muscle("L_S"), strict=True)
+    }
     return {
         **subject.scales.numbers,
         **{f"initial.{name}": value for name, value in start.items()},

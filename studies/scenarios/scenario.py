@@ -59,7 +59,7 @@ class Scenario:
 
 
 def choices(layers: Sequence[Layer]) -> dict[str, str]:
-    """The choices of the layers of a scenario of the pair. ScenarioError names what is wrong with one, and its layer."""
+    """The choices of the layers of a scenario of the pair. ScenarioError names the wrong one, and its layer."""
     return _chosen(layers, (*GROUPED.items(), *((path, (path,)) for path in CHOICES)), VALID_CHOICES)
 
 
@@ -99,7 +99,9 @@ def _tracked(typed: str, subject: Subject) -> str:
     return ", ".join(names)
 
 
-def scenario(name: str, layers: Sequence[Layer], paths: Paths, chosen: Mapping[str, str], mechanism: str) -> Scenario:
+def scenario(
+    name: str, layers: Sequence[Layer], paths: Paths, chosen: Mapping[str, str], mechanism: str = ""
+) -> Scenario:
     """The scenario of the layers, the last one above. ScenarioError names the wrong leaf, and its layer.
 
     chosen: its choices; mechanism: what is in its mechanism's file, if it has one.

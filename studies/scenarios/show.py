@@ -7,8 +7,7 @@ from collections.abc import Iterator
 from ...model.block import Parameter
 from ..files.toml import toml_value
 from .prepare import prepare
-from .scenario import CHOICES
-from .world import DRIVE, MECHANISM, drives
+from .world import CHOICES, DRIVE, drives
 
 
 def show(source: str) -> str:
@@ -21,7 +20,7 @@ def show(source: str) -> str:
     valid_choices = CHOICES if world.subject is None else {DRIVE: drives(world.subject)}
     for path, chosen in world.choices.items():
         section, _, key = path.rpartition(".")
-        of = f'  # one of {", ".join(valid_choices[path])}' if path in valid_choices else ""
+        of = f"  # one of {', '.join(valid_choices[path])}" if path in valid_choices else ""
         sections.setdefault(section, []).append(f"{key} = {toml_value(chosen)}{of}")
     for path, parameter in paths.parameters.items():
         section, _, key = path.rpartition(".")

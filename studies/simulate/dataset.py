@@ -20,8 +20,8 @@ from ..scenarios.prepare import BASELINE, Prepared
 from .conditions import gain_conditions
 from .failures import observer_failure, plant_failure
 from .measures import SENTENCES, measures
+from .schema import FILE
 from .step_error import about_error, error_of, step_error
-
 
 Variable = tuple[tuple[str, ...], np.ndarray[Any, Any], dict[str, str]]
 
@@ -100,7 +100,7 @@ def dataset(
     subject = prepared.scenario.world.subject
     if subject:
         about_file = {"long_name": "the mechanism in SI, as JSON"}
-        data["muscle_file"] = ((), np.array(prepared.scenario.mechanism), about_file)
+        data[FILE] = ((), np.array(prepared.scenario.mechanism), about_file)
     coordinates = {
         "time": ("time", time, about("time τ")),
         "state": list(system.states),
@@ -167,7 +167,10 @@ def repeatable(prepared: Prepared) -> dict[str, str]:
     # of a mechanism each number once: what shares one has it
     paths = [path for path in table.parameters if prepared.system.paper or table.origin(path, scenario.given) == path]
     values = {path: prepared.value(path) for path in dict.fromkeys([*paths, *(used if prepared.system.paper else ())])}
+    subject = scenario.world.subject
+    s = subject.scales if subject else None
     return {
+        **({"scales": json.dumps({"length": s.length, "force": s.force, "rate": s.rate})} if s else {}),
         "Conventions": "CF-1.11",
         "scenario": scenario.name,
         "description": scenario.description,

@@ -22,8 +22,8 @@ def plant_failure(failure: Failure) -> str:
     at = f"at τ = {failure.time:g}"
     if failure.name == STIFFNESS:
         return (
-            f"the plant: {at} a tendon comes to rest at a rate above {failure.limit:.3g}, faster than the step resolves; "
-            "try a smaller step"
+            f"the plant: {at} a tendon comes to rest at a rate above {failure.limit:.3g}, faster than the step "
+            "resolves; try a smaller step"
         )
     if failure.group != "domain":
         return (

@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from ...model.arrays import Array
-from ...model.symbols import QUANTITIES
+from ...model.symbols import QUANTITIES, kind_of
 from .axes import Axes
 
 
@@ -23,7 +23,12 @@ def axes_of(dataset: xr.Dataset) -> Axes:
 def shown_of(dataset: xr.Dataset, usual: Sequence[str]) -> list[str]:
     """The quantities to show: the usual ones of all, or those that were asked for."""
     there: list[str] = dataset.quantity.values.tolist()
-    return list(usual) if len(there) == len(QUANTITIES) else there
+    if len(there) == len(QUANTITIES) and there[0] in QUANTITIES:
+        return list(usual)
+    # of a mechanism those of the same kinds
+    kinds = {kind_of(name) for name in usual}
+    whole = there[0] not in QUANTITIES and {*map(kind_of, there)} >= {*map(kind_of, QUANTITIES)}
+    return [name for name in there if kind_of(name) in kinds] if whole else there
 
 
 def failed(dataset: xr.Dataset) -> xr.DataArray:

@@ -20,7 +20,7 @@ from ...observers.score import MEASURES
 from ..files.errors import ScenarioError
 from ..files.numbers import seeds as listed_seeds
 from ..files.numbers import whole
-from ..files.quote import shown, table
+from ..files.quote import table
 from ..scenarios.grid import time_grid
 from ..scenarios.layers import Value
 from ..scenarios.observers import Observers

@@ -42,7 +42,8 @@ class Mechanism:
         for name in (*self.tree.coordinates, *self.muscles, *self.points):
             if not _NAME.fullmatch(name):
                 raise ScenarioError(
-                    f"{shown(name)} is no name for a joint, a muscle or a point: letters, digits, single _ between, at most 30"
+                    f"{shown(name)} is no name for a joint, a muscle or a point: letters, digits, single _ between, "
+                    "at most 30"
                 )
         if not self.tree.coordinates:
             raise ScenarioError("all joints are locked or weld their links: nothing moves that could be estimated")
