@@ -100,6 +100,7 @@ def dataset(
     subject = prepared.scenario.world.subject
     if subject:
         about_file = {"long_name": "the mechanism in SI, as JSON"}
+        data["Phi_S"] = (("time", "muscle"), true(system.muscle("Phi_S")), about("true tendon forces"))
         data[FILE] = ((), np.array(prepared.scenario.mechanism), about_file)
     coordinates = {
         "time": ("time", time, about("time τ")),

@@ -12,20 +12,29 @@ from ..files.datasets.netcdf import save_netcdf
 from ..files.tables import Series, csv_text, or_empty, write_csv
 from ..files.writing import write_whole
 from .measures import SENTENCES
+from .recording import recording_columns
+from .schema import FILE
 from .series import series
 
 
-def run_paths(folder: Path, stem: str) -> list[Path]:
-    """The files of the run that is called `stem`: NetCDF, time series, measures."""
-    return [folder / f"{stem}{ending}" for ending in (".nc", ".csv", "-measures.csv")]
+def run_paths(folder: Path, stem: str, mechanism: bool) -> list[Path]:
+    """The files of the run that is called `stem`: NetCDF, time series, measures, and of a mechanism a recording."""
+    endings = [".nc", ".csv", "-measures.csv", *["-recording.csv"] * mechanism]
+    return [folder / f"{stem}{ending}" for ending in endings]
 
 
 def save(dataset: xr.Dataset, folder: Path) -> list[Path]:
-    """The Dataset as NetCDF, its time series and its measures as CSV; the paths written."""
-    paths = run_paths(folder, dataset.attrs["run"])
+    """The Dataset as NetCDF, its time series and its measures as CSV; the paths written.
+
+    That of a mechanism as a recording too, which `estimate` reads.
+    """
+    mechanism = FILE in dataset
+    paths = run_paths(folder, dataset.attrs["run"], mechanism)
     save_netcdf(dataset, paths[0])
     write_csv(paths[1], list(columns(dataset)))
     write_whole(paths[2], measures_csv(dataset).encode())
+    if mechanism:
+        write_csv(paths[3], list(recording_columns(dataset)))
     return paths
 
 

@@ -70,6 +70,7 @@ def _check_run_of_mechanism(dataset: xr.Dataset) -> None:
             "joint": (("joint",), TEXTS),
             "Delta": ((*_TIME, "joint"), FLOATS),
             "Delta_hat": ((*_BY_OBSERVER, "joint"), FLOATS),
+            "Phi_S": ((*_TIME, "muscle"), FLOATS),
             **led,
         },
         labels={
