@@ -118,8 +118,8 @@ def optimum(dataset: xr.Dataset, median: xr.DataArray, observer: str) -> Optimum
 
 
 def smallest(dataset: xr.Dataset, median: xr.DataArray, observer: str) -> Optimum | None:
-    """The smallest of `median` (…), a part of what was swept; None if there are no numbers."""
-    if not median.notnull().any():
+    """The smallest of `median` (…), a part of what was swept; None if there are no numbers, or all are the same."""
+    if not median.notnull().any() or (median.size > 1 and bool((median == median.values.flat[0]).all())):
         return None
     places = {dim: int(place) for dim, place in median.argmin(...).items()} if median.dims else {}
     least = median.isel(places)
