@@ -25,7 +25,7 @@ PARAMETERS: Parameters = {
     "a_c": Parameter(0.2, "activation at rest that the pretension leads to", _CHOSEN, above=0, most=1),
 }
 # of the trace of G W Gᵀ: where all tendons are slack nothing can be asked of them
-_RIDGE, _LEAST = 1e-9, 1e-12
+_RIDGE, _LEAST = 1e-12, 1e-12
 # of the co-contraction: nearer to 0 an activation is pushed off no harder
 _NEAR = 0.1
 

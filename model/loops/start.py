@@ -1,4 +1,4 @@
-"""Where a system starts: joints at rest or in motion, and tendons such that no joint accelerates."""
+"""Where a system starts: joints at rest or in motion, and tendons such that joints accelerate as little as can be."""
 
 from __future__ import annotations
 
@@ -12,6 +12,8 @@ from ..system import System
 _CHOSEN = "chosen, docs/mechanisms.md#start"
 # each brings the fibres nearer to the length that they have when their tendon is stretched
 _ROUNDS = 5
+# from forces in balance to forces that pull, and back
+_PROJECTIONS = 10
 # first guess of a force, and the least, as parts of the force at which a tendon is straight
 _GUESS, _LEAST = 0.2, 0.01
 _RIDGE = 1e-12
@@ -36,7 +38,10 @@ def start_parameters(system: System) -> Parameters:
 
 
 def start(system: System, p: Symbols) -> Symbols:
-    """x(0) of joints and tendons: of the forces that accelerate no joint those nearest to the activations asked for."""
+    """x(0) of joints and tendons: of the forces that accelerate no joint those nearest to the activations asked for.
+
+    Where that takes muscles that push, joints accelerate a little.
+    """
     q, dq = ([p[f"initial.{name}"] for name in system.joint(signal)] for signal in ("q", "dq"))
     at = [ca.SX.sym(joint) for joint in system.joints]
     lengths = ca.substitute(system.lengths(at, p), at, q)
@@ -54,19 +59,25 @@ def start(system: System, p: Symbols) -> Symbols:
             rise = ca.jacobian(a, F)
             wanted.append((p[f"initial.{system.name('a', muscle)}"] - ca.substitute(a, F, 0)) / rise)
             full.append(1 / rise)
-        forces = _balanced(system, q, dq, ca.vertcat(*wanted), ca.vertcat(*full), p)
-        known = zip(curves, numbers, straight, ca.vertsplit(forces), strict=True)
-        L_S = [c.Phi_S_inv(ca.fmax(force, _LEAST * most), n) for c, n, most, force in known]
+        least = _LEAST * ca.vertcat(*straight)
+        forces = _balanced(system, q, dq, ca.vertcat(*wanted), ca.vertcat(*full), least, p)
+        L_S = [c.Phi_S_inv(force, n) for c, n, force in zip(curves, numbers, ca.vertsplit(forces), strict=True)]
     moving = zip((*system.joint("q"), *system.joint("dq")), (*q, *dq), strict=True)
     return Symbols({**dict(moving), **dict(zip(system.muscle("L_S"), L_S, strict=True))})
 
 
-def _balanced(system: System, q: list[ca.SX], dq: list[ca.SX], wanted: ca.SX, full: ca.SX, p: Symbols) -> ca.SX:
-    """The forces (muscles × 1) nearest to those wanted, as parts of the full ones, that accelerate no joint."""
+def _balanced(
+    system: System, q: list[ca.SX], dq: list[ca.SX], wanted: ca.SX, full: ca.SX, least: ca.SX, p: Symbols
+) -> ca.SX:
+    """Forces (muscles × 1) near those wanted, as parts of the full ones, that pull and, if they can, balance."""
     F = ca.SX.sym("F", len(system.muscles))
     acc = ca.vertcat(*system.accelerations(q, dq, ca.vertsplit(F), p))
-    # α(F) = G F + …;  F = F_w − W Gᵀ(G W Gᵀ)⁻¹ α(F_w),  W = diag(full²)
-    G, W = ca.jacobian(acc, F), ca.diag(full**2)
+    # α(F) = G F + α₀;  F = F_w − W Gᵀ(G W Gᵀ)⁻¹ α(F_w),  W = diag(full²)
+    G, W, still = ca.jacobian(acc, F), ca.diag(full**2), ca.substitute(acc, F, ca.SX.zeros(F.shape))
     square = G @ W @ G.T
     ridge = _RIDGE * (ca.trace(square) + 1) * ca.SX.eye(len(system.joints))
-    return wanted - W @ G.T @ solved(square + ridge, ca.substitute(acc, F, wanted))
+    forces = wanted
+    for _ in range(_PROJECTIONS):
+        forces = ca.fmax(forces, least)
+        forces = forces - W @ G.T @ solved(square + ridge, G @ forces + still)
+    return ca.fmax(forces, least)

@@ -27,7 +27,7 @@ from ..scenarios.layers import Value, layers
 from ..scenarios.loops import paper_loop
 from ..scenarios.observers import own_observer
 from ..scenarios.paths import RUN, paths_of
-from ..scenarios.scenario import choices, scenario
+from ..scenarios.scenario import scenario
 from ..simulate.measures import measures
 from .printed import ADAPTIVE, CONTROLLER, OBSERVER, Erratum, adaptive_as_printed, backstepping_as_printed, printed_toe
 
@@ -205,8 +205,7 @@ def _run(changes: Mapping[str, Value], observers: Sequence[str], progress: Progr
     """The paper's first simulation with the printed forms in the loop."""
     loop = _loop()
     paths = paths_of(loop.blocks)
-    name, stacked = layers("paper-clean", changes)
-    given = scenario(name, stacked, paths, choices(stacked)).given
+    given = scenario(*layers("paper-clean", changes), paths).given
     grid = time_grid(lambda path: paths.value(path, given), PULSES)
     values = {block.name: paths.values(block, given) for block in loop.blocks}
     traces = compile_loop(loop).run(grid, 0, values, observers, progress)

@@ -20,7 +20,7 @@ from .grid import time_grid
 from .layers import Value, layers
 from .observers import Observers, observers_named, own_among
 from .paths import Paths
-from .scenario import Scenario, choices, choices_of_mechanism, scenario
+from .scenario import Scenario, choices, scenario
 from .world import named_mechanism, world_of
 
 BASELINE = "baseline"
@@ -92,15 +92,13 @@ def prepare(
     """
     name, stacked = layers(source, changes)
     chosen, mechanism = observers_named(observers), named_mechanism(stacked)
-    chosen_words = choices_of_mechanism(stacked, mechanism) if mechanism else choices(stacked)
-    world = world_of(chosen_words, mechanism)
+    world = world_of(choices(stacked, mechanism), mechanism)
     # in the order of the tables, whatever the order asked for; the RMSE is always among the measures
     known = world.system.quantities
     scored = _scored("quantity", known if quantities is None else quantities, known)
     taken = _scored("measure", ["rmse", *measures], MEASURES)
     paths = world.paths(tuple(own_among(chosen).values()), switch("corrected", corrected))
-    checked = scenario(name, stacked, paths, world.choices, mechanism)
-    return assemble(checked, chosen, scored, taken, corrected)
+    return assemble(scenario(name, stacked, paths, mechanism), chosen, scored, taken, corrected)
 
 
 def _scored(what: str, names: Sequence[str], known: Sequence[str]) -> tuple[str, ...]:

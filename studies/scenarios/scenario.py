@@ -58,13 +58,13 @@ class Scenario:
         return self.world.choices[DRIVE]
 
 
-def choices(layers: Sequence[Layer]) -> dict[str, str]:
-    """The choices of the layers of a scenario of the pair. ScenarioError names the wrong one, and its layer."""
-    return _chosen(layers, (*GROUPED.items(), *((path, (path,)) for path in CHOICES)), VALID_CHOICES)
+def choices(layers: Sequence[Layer], mechanism: str = "") -> dict[str, str]:
+    """The choices of the layers, the last one above. ScenarioError names the wrong one, and its layer.
 
-
-def choices_of_mechanism(layers: Sequence[Layer], mechanism: str) -> dict[str, str]:
-    """The same of a mechanism, what is in whose file is given as JSON."""
+    mechanism: what is in its mechanism's file as JSON, if it has one.
+    """
+    if not mechanism:
+        return _chosen(layers, (*GROUPED.items(), *((path, (path,)) for path in CHOICES)), VALID_CHOICES)
     subject = subject_again(json.loads(mechanism))
     chosen = _chosen(layers, [(DRIVE, (DRIVE,))], {DRIVE: drives(subject)})
     for layer in layers:
@@ -99,12 +99,10 @@ def _tracked(typed: str, subject: Subject) -> str:
     return ", ".join(names)
 
 
-def scenario(
-    name: str, layers: Sequence[Layer], paths: Paths, chosen: Mapping[str, str], mechanism: str = ""
-) -> Scenario:
+def scenario(name: str, layers: Sequence[Layer], paths: Paths, mechanism: str = "") -> Scenario:
     """The scenario of the layers, the last one above. ScenarioError names the wrong leaf, and its layer.
 
-    chosen: its choices; mechanism: what is in its mechanism's file, if it has one.
+    mechanism: what is in its mechanism's file as JSON, if it has one.
     """
     no_numbers = {*_TEXTS_OF_MECHANISMS, DRIVE} if mechanism else VALID_CHOICES
     description, seed = "", 0
@@ -121,7 +119,7 @@ def scenario(
                     numbers[path] = checked_number(path, value, paths)
             given |= paths.spread(numbers)
     changes = {path: value for layer in layers if not layer.origin for path, value in layer.leaves.items()}
-    return Scenario(name, description, seed, chosen, given, changes, mechanism)
+    return Scenario(name, description, seed, choices(layers, mechanism), given, changes, mechanism)
 
 
 def typed_changes(typed: str) -> dict[str, Value]:
