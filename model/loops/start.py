@@ -12,8 +12,8 @@ from ..system import System
 _CHOSEN = "chosen, docs/mechanisms.md#start"
 # each brings the fibres nearer to the length that they have when their tendon is stretched
 _ROUNDS = 5
-# from forces in balance to forces that pull, and back
-_PROJECTIONS = 10
+# each finds muscles that cannot balance by pulling
+_TURNS = 6
 # first guess of a force, and the least, as parts of the force at which a tendon is straight
 _GUESS, _LEAST = 0.2, 0.01
 _RIDGE = 1e-12
@@ -74,10 +74,15 @@ def _balanced(
     acc = ca.vertcat(*system.accelerations(q, dq, ca.vertsplit(F), p))
     # α(F) = G F + α₀;  F = F_w − W Gᵀ(G W Gᵀ)⁻¹ α(F_w),  W = diag(full²)
     G, W, still = ca.jacobian(acc, F), ca.diag(full**2), ca.substitute(acc, F, ca.SX.zeros(F.shape))
-    square = G @ W @ G.T
-    ridge = _RIDGE * (ca.trace(square) + 1) * ca.SX.eye(len(system.joints))
-    forces = wanted
-    for _ in range(_PROJECTIONS):
-        forces = ca.fmax(forces, least)
-        forces = forces - W @ G.T @ solved(square + ridge, G @ forces + still)
-    return ca.fmax(forces, least)
+
+    def corrected(forces: ca.SX, weights: ca.SX) -> ca.SX:
+        square = G @ weights @ G.T
+        ridge = _RIDGE * (ca.trace(square) + 1) * ca.SX.eye(len(system.joints))
+        return forces - weights @ G.T @ solved(square + ridge, G @ forces + still)
+
+    forces = ca.fmax(wanted, least)
+    for _ in range(_TURNS):
+        # those that would have to push stay, and the others do what is left
+        free = ca.diag(corrected(forces, W) > least)
+        forces = ca.fmax(corrected(forces, free @ W), least)
+    return forces
