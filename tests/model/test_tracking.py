@@ -51,7 +51,7 @@ def accelerations_at_start(place: tuple[float, float], activation: float) -> flo
 
 @pytest.mark.parametrize("activation", [0.05, 0.3])
 def test_a_run_starts_with_joints_that_do_not_accelerate(activation: float) -> None:
-    """In the middle and at the ends of the ranges; 1e−10: a ridge of 1e−12 of forces that accelerate by some hundred."""
+    """In the middle and at the ends of all ranges; 1e−10: a ridge of 1e−12 of forces that accelerate by a hundred."""
     for place in ((-0.2, 1.4), (0.1, 1.6), (-0.9, 0.3), (0.4, 2.0)):
         assert accelerations_at_start(place, activation) < 1e-10
 
