@@ -40,7 +40,7 @@ class Mechanism:
         if not self.muscles:
             raise ScenarioError("a mechanism needs a muscle or more")
         for name in (*self.tree.coordinates, *self.muscles, *self.points):
-            if not _NAME.fullmatch(name):
+            if not is_name(name):
                 raise ScenarioError(
                     f"{shown(name)} is no name for a joint, a muscle or a point: letters, digits, single _ between, "
                     "at most 30"
@@ -66,6 +66,11 @@ class Mechanism:
                 raise ScenarioError(
                     f"muscles.{name}.path crosses {unknown[0]}, which is no moving joint; there are {known}"
                 )
+
+
+def is_name(name: str) -> bool:
+    """Whether a joint, a muscle or a point can be called so."""
+    return bool(_NAME.fullmatch(name))
 
 
 def _carries_nothing(tree: Tree) -> str:
