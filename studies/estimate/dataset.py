@@ -21,6 +21,7 @@ from ..laboratory.subject import subject_again
 from ..simulate.failures import observer_failure
 from .bands.band import deviations
 from .case import Case, Result
+from .quantities import quantities_of
 
 # what a recording may know: name → sentence, and the unit if it is none of the joint
 TRUE: Mapping[str, tuple[str, str]] = {
@@ -84,31 +85,23 @@ def estimate_dataset(case: Case, results: Mapping[str, Result], library: str) ->
     def of_muscle(dims: tuple[str, ...], values: np.ndarray[Any, Any], unit: str, sentence: str) -> Variable:
         return (*dims, "muscle"), values, _about(unit, sentence)
 
-    q, Delta, L_S, u = (
-        stacked(names) for names in (system.joint("q"), system.joint("Delta"), *map(system.muscle, ("L_S", "u")))
-    )
-    L_C, along = _fibres(s.metres(subject.laws.lengths(q) - L_S), subject.heights)
+    q, L_S, told = stacked(system.joint("q")), stacked(system.muscle("L_S")), stacked(system.quantities)
+    of = quantities_of(subject)(told)
     data: dict[str, Variable] = {
         "position": of_joint(("time",), s.positions(y[:, :joints]), "position", "measured positions"),
         "force": of_muscle(("time",), y[:, joints:] * s.force, "N", "measured tendon forces"),
-        "position_hat": of_joint(of_observers, s.positions(q), "position", "estimated positions"),
-        "velocity_hat": of_joint(
-            of_observers, s.velocities(stacked(system.joint("dq"))), "velocity", "estimated velocities"
-        ),
-        "disturbance_hat": of_joint(
-            of_observers, subject.disturbance(q, Delta), "disturbance", "estimated external forces"
-        ),
-        "tendon_length_hat": of_muscle(of_observers, s.metres(L_S), "m", "estimated tendon lengths"),
-        "fibre_length_hat": of_muscle(of_observers, L_C, "m", "estimated fibre lengths"),
+        "position_hat": of_joint(of_observers, of["position"], "position", "estimated positions"),
+        "velocity_hat": of_joint(of_observers, of["velocity"], "velocity", "estimated velocities"),
+        "disturbance_hat": of_joint(of_observers, of["disturbance"], "disturbance", "estimated external forces"),
+        "tendon_length_hat": of_muscle(of_observers, of["tendon_length"], "m", "estimated tendon lengths"),
+        "fibre_length_hat": of_muscle(of_observers, of["fibre_length"], "m", "estimated fibre lengths"),
         "fibre_velocity_hat": of_muscle(
             of_observers,
-            s.fibre_velocity(u) * along,
+            of["fibre_velocity"],
             "m/s",
             "estimated fibre velocities, positive when the fibre lengthens",
         ),
-        "activation_hat": of_muscle(
-            of_observers, stacked(system.muscle("a")), "1", "estimated activations, within [0, 1]"
-        ),
+        "activation_hat": of_muscle(of_observers, of["activation"], "1", "estimated activations, within [0, 1]"),
         "position_innovation": of_joint(
             of_observers, s.positions(y[:, :joints] - q), "position", "measured less estimated positions"
         ),
@@ -174,14 +167,6 @@ def joint_units(dataset: xr.Dataset, variable: str) -> dict[str, str]:
     return {name: slides if sliding[name] else turns for name in names}
 
 
-def _fibres(L: Array, heights: Array) -> tuple[Array, Array]:
-    """Lengths of fibres that reach L along the tendon, and the cosines of their angles to it."""
-    # L_C cos α = L_m − L_S,  L_C sin α = h
-    oblique = np.hypot(L, heights)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        return np.where(heights > 0, oblique, L), np.where(heights > 0, L / oblique, 1.0)
-
-
 def _about(unit: str, sentence: str) -> dict[str, str]:
     return {"long_name": sentence, "units": unit}
 
@@ -233,6 +218,10 @@ def _manifest(case: Case, results: Mapping[str, Result], library: str) -> dict[s
 
 
 def _explain(case: Case, name: str, failure: Failure, violated: Sequence[Checked]) -> str:
-    time = case.recording.time[0] + failure.time / case.scales.rate
+    return explained(name, failure, case.recording.time[0] + failure.time / case.scales.rate, violated)
+
+
+def explained(name: str, failure: Failure, time: float, violated: Sequence[Checked] = ()) -> str:
+    """Why an observer has no estimates from a time on, in s; violated: its gain conditions that do not hold."""
     likely = "the gains are too fast or unstable, or the data too wild"
     return observer_failure(name, failure, f"at {time:.4g} s", [condition.name for condition in violated], likely)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from ...codegen.bank import Bank
 from ...codegen.recordings.filters import CompiledBank
 from ...model.arrays import Array
 from ...model.block import Block
@@ -21,7 +20,6 @@ from ..files.errors import RecordingError, ScenarioError
 from ..files.numbers import number, switch, whole
 from ..files.progress import Progress, shares, unseen
 from ..files.quote import shown, table
-from ..kalman.orders import SECOND_PASS
 from ..kalman.record import Record
 from ..kalman.run import AUTO, FORMS, compile_passes
 from ..laboratory.gaps import bridged, refuse_impossible, refuse_long_steps
@@ -31,8 +29,8 @@ from ..laboratory.recording import Recording, read_recording
 from ..laboratory.samples import MOST_NUMBERS
 from ..laboratory.subject import Subject, pair_subject, subject_of
 from ..scenarios.layers import Value
-from ..scenarios.observers import Observers, compiled_with, observers_named, own_among, refuse_taken
-from ..scenarios.paths import Paths, paths_of
+from ..scenarios.observers import Observers, observers_named
+from ..scenarios.paths import Paths
 from ..scenarios.scenario import checked_number
 from .bands.doubt import doubts
 from .bands.muscle import compile_sensitivities
@@ -40,17 +38,9 @@ from .case import Case, Result, Settings
 from .conditions import gain_conditions
 from .dataset import estimate_dataset
 from .fitted import fitted_result, record_of
-from .follow import (
-    compiled_bank,
-    fitted_blocks,
-    followed,
-    follower_bank,
-    lengths_block,
-    measured_tendons,
-)
+from .follow import chosen_bank, chosen_whole, compiled_bank, followed, lengths_block, measured_tendons, observer_paths
 from .sizes.first_pass import compile_first_pass, first_pass
-from .start import at_rest
-from .substeps import substeps
+from .start import at_rest, begun, gains_of_block, gains_of_rule
 
 # periods of the muscles' own time 1/v_max between samples beyond which nothing can be followed
 _LONGEST_PERIOD = 0.7
@@ -95,8 +85,9 @@ def estimate(
     """
     chosen = observers_named(observers)
     subject = subject_of(muscles)
-    bank, whole = _bank(subject, switch("corrected", corrected), chosen), _whole(subject, corrected, chosen)
-    paths = _paths(bank, whole)
+    bank = chosen_bank(subject, switch("corrected", corrected), chosen)
+    whole = chosen_whole(subject, corrected, chosen)
+    paths = observer_paths(bank, whole)
     settings = _settings(corrected, changes or {}, keep_every, paths, chosen)
     settings = replace(settings, **_smoothing(chosen, form, smooth, lag))
     known = doubts(subject, {} if doubt is None else doubt, switch("usual_doubt", usual_doubt))
@@ -120,7 +111,7 @@ def compile_observers(subject: Subject, observers: Observers = None, corrected: 
     """Compile what `estimate` needs for these, or load it from the cache: once, and then estimates begin at once."""
     compile_first_pass(subject.system)
     chosen = observers_named(observers)
-    compiled_bank(_bank(subject, corrected, chosen))
+    compiled_bank(chosen_bank(subject, corrected, chosen))
     compile_sensitivities(subject)
     if subject.pair and any(observer.fitted for observer in chosen.values()):
         compile_passes(subject.pair.curves)
@@ -135,40 +126,10 @@ def recorded(
     """
     chosen = observers_named(KALMAN)
     subject = pair_subject(pair)
-    bank, (block,) = _bank(subject, True, chosen), _whole(subject, True, chosen)
-    paths = _paths(bank, [block])
+    bank, (block,) = chosen_bank(subject, True, chosen), chosen_whole(subject, True, chosen)
+    paths = observer_paths(bank, [block])
     case = _case(read, subject, compiled_bank(bank), paths, Settings(True, changes, 1), {})
     return case, record_of(case, _numbers(case, paths, block))
-
-
-def _bank(subject: Subject, corrected: bool, chosen: Mapping[str, Observer]) -> Bank:
-    bank = follower_bank(subject.system, corrected, _compiled(subject, chosen))
-    own = own_among(chosen)
-    refuse_taken(own, {lengths_block(bank).name})
-    for name, observer in own.items():
-        if observer.block().per_step:
-            raise ScenarioError(f"{name} moves at the points of a time grid, and a recording has none")
-    return bank
-
-
-def _whole(subject: Subject, corrected: bool, chosen: Mapping[str, Observer]) -> tuple[Block, ...]:
-    """Those that a recording is given to as a whole."""
-    return fitted_blocks(subject.system, corrected, _compiled(subject, chosen))
-
-
-def _compiled(subject: Subject, chosen: Mapping[str, Observer]) -> tuple[Observer, ...]:
-    """Those of its library: of a mechanism those that are made of chains, and what was asked for."""
-    banked = compiled_with(chosen)
-    if subject.pair:
-        return banked
-    return tuple(observer for observer in banked if observer.chains or observer in chosen.values())
-
-
-def _paths(bank: Bank, whole: Iterable[Block]) -> Paths:
-    """All numbers of the observers, with those of a second pass, which no Block has."""
-    paths = paths_of([*bank.observers, *whole])
-    second = {f"{block.name}.{name}": parameter for block in whole for name, parameter in SECOND_PASS.items()}
-    return replace(paths, parameters={**second, **paths.parameters})
 
 
 def _smoothing(chosen: Mapping[str, Observer], form: str, smooth: bool, lag: float) -> dict[str, Any]:
@@ -253,18 +214,13 @@ def _follow(
     case: Case, compiled: CompiledBank, paths: Paths, block: Block, observer: Observer, progress: Progress
 ) -> Result:
     name = block.name
-    system = case.subject.system
-    rule = {f"{name}.{gain}": value for gain, value in observer.gains_of(system, case.sizes, case.period).items()}
-    by_hand = {path: value for path, value in case.settings.changes.items() if path.partition(".")[0] == name}
-    # an observer that is not corrected has no use for some
-    gains = {path: value for path, value in {**rule, **by_hand}.items() if path.partition(".")[2] in block.p}
-    numbers = paths.values(block, {**case.scales.numbers, **gains, **_start(case)})
-    first = {"t": 0.0, **dict(zip((*system.measured, *system.tendons), [*case.y[0], *case.z[0]], strict=True))}
-    by_name = dict(zip(block.p, numbers, strict=True))
-    steps = substeps(observer, system, block, by_name, first, case.period)
-    checked = gain_conditions(observer, system, by_name, case.sizes, case.period / steps)
+    rule = gains_of_rule(observer, case.subject.system, block, case.sizes, case.period)
+    gains = {**rule, **gains_of_block(block, case.settings.changes)}
+    first = [*case.y[0], *case.z[0]]
+    numbers, steps = begun(observer, case.subject, paths, block, gains, first, case.period)
+    checked = gain_conditions(observer, case.subject.system, numbers, case.sizes, case.period / steps)
     violated = [condition for condition in checked if not condition.holds]
-    filter_ = compiled.follow(name, np.array(numbers), steps)
+    filter_ = compiled.follow(name, list(numbers.values()), steps)
     kept = len(range(len(case.tau))[case.kept])
     y, guards, place = np.empty((kept, len(block.y))), np.empty((kept, len(block.guards))), 0
     # what moves at samples only knows how long a step is, and needs none filled in

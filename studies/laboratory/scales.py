@@ -7,6 +7,7 @@ in F₀/(l₀v₀²), angles in rad, and time is τ = v₀t.
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -39,12 +40,12 @@ class Scales:
         """Unit of mass in kg."""
         return self.force / (self.length * self.rate**2)
 
-    @property
+    @functools.cached_property
     def coordinates(self) -> Array:
         """Units of the joints' coordinates, m or rad."""
         return np.where(self.sliding, self.length, 1.0)
 
-    @property
+    @functools.cached_property
     def torques(self) -> Array:
         """Units of what moves each joint, N or N m."""
         return self.force * self.length / self.coordinates
@@ -80,6 +81,10 @@ class Scales:
         """Fibre velocity in m/s, positive when the fibre lengthens."""
         # fibre velocity_j = −l₀v₀u_j
         return 0.0 - u * self.length * self.rate
+
+    def loads(self, forces: Array) -> Array:
+        """What moves the joints (… × joints), in N or N m."""
+        return forces * self.torques
 
     def positions(self, q: Array) -> Array:
         """Coordinates (… × joints) in m or rad."""

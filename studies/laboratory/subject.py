@@ -59,7 +59,7 @@ _BEYOND = 1.0
 
 @dataclass(frozen=True)
 class Bound:
-    """What a measured position may be, in its unit, and what to say of what is below or above.
+    """What a measured position or force may be, in its unit, and what to say of what is below or above.
 
     range: where the paths of the muscles hold.
     """
@@ -70,6 +70,10 @@ class Bound:
     below: str
     above: str
     range: tuple[float, float] | None = None
+
+    def refusal(self, name: str, value: float) -> str:
+        """Why a `value` beyond the bound is none of `name`."""
+        return f"{name} = {value:g} {self.unit}; {self.below if value < self.least else self.above}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,7 +127,7 @@ class Subject:
 
     def disturbance(self, q: Array, Delta: Array) -> Array:
         """External forces in N and torques in N m (… × joints), of dimensionless coordinates and accelerations."""
-        return self.laws.forces(q, Delta) * self.scales.torques
+        return self.scales.loads(self.laws.forces(q, Delta))
 
 
 def subject_of(muscles: str | Path | MusclePair | Mechanism | Subject) -> Subject:
