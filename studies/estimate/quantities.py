@@ -45,11 +45,12 @@ class Quantities:
         buffer.set_arg(0, memoryview(estimates))
         buffer.set_res(0, memoryview(told))
 
-        def evaluated() -> dict[str, Array]:
+        def in_SI(kept: ca.FunctionBuffer) -> dict[str, Array]:
             evaluate()
             return self._in_SI(told)
 
-        return evaluated
+        # `evaluate` does not keep its buffer alive
+        return functools.partial(in_SI, buffer)
 
     def _in_SI(self, told: Array) -> dict[str, Array]:
         s = self._scales

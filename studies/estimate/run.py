@@ -31,7 +31,6 @@ from ..laboratory.subject import Subject, pair_subject, subject_of
 from ..scenarios.layers import Value
 from ..scenarios.observers import Observers, observers_named
 from ..scenarios.paths import Paths
-from ..scenarios.scenario import checked_number
 from .bands.doubt import doubts
 from .bands.muscle import compile_sensitivities
 from .case import Case, Result, Settings
@@ -40,10 +39,8 @@ from .dataset import estimate_dataset
 from .fitted import fitted_result, record_of
 from .follow import chosen_bank, chosen_whole, compiled_bank, followed, lengths_block, measured_tendons, observer_paths
 from .sizes.first_pass import compile_first_pass, first_pass
-from .start import at_rest, begun, gains_of_block, gains_of_rule
+from .start import at_rest, begun, gains_by_hand, gains_of_block, gains_of_rule, too_rare
 
-# periods of the muscles' own time 1/v_max between samples beyond which nothing can be followed
-_LONGEST_PERIOD = 0.7
 # estimates of a sample with their standard deviations; 250 million numbers are 2 GB
 _NUMBERS, _MOST_NUMBERS = 50, 250_000_000
 
@@ -152,14 +149,7 @@ def _settings(
 ) -> Settings:
     """What was asked for, checked before anything is read. ScenarioError says what is wrong."""
     keep_every = whole("keep_every", keep_every, 1, MOST_NUMBERS)
-    numbers: dict[str, float] = {}
-    for path, value in table("changes", changes).items():
-        if path.partition(".")[0] not in chosen:
-            raise ScenarioError(
-                f"{shown(path)} is no gain of {', '.join(chosen)}; the muscle file has all other numbers"
-            )
-        numbers[path] = checked_number(path, value, paths)
-    return Settings(corrected, paths.spread(numbers), keep_every)
+    return Settings(corrected, gains_by_hand(table("changes", changes), chosen, paths), keep_every)
 
 
 def _check_size(samples: int, keep_every: int, observers: int) -> None:
@@ -188,11 +178,8 @@ def _case(
     joints = len(system.joints)
     y = np.column_stack([inputs[:, :joints] / s.coordinates, s.forces(inputs[:, joints:])])
     period = float(np.median(np.diff(tau)))
-    if period > _LONGEST_PERIOD:
-        raise RecordingError(
-            f"{read.source}: a sample every {period / s.rate:.3g} s is too few for muscles of v_max = {s.rate:g}/s; "
-            f"at most {_LONGEST_PERIOD / s.rate:.3g} s; is time in another unit?"
-        )
+    if objection := too_rare(period / s.rate, s):
+        raise RecordingError(f"{read.source}: {objection}; is time in another unit?")
     refuse_long_steps(read)
     z, slopes = measured_tendons(compiled, np.array(paths.values(lengths_block(compiled.bank), s.numbers)), y)
     sizes = first_pass(subject.laws, y, z, period, tau)
