@@ -5,6 +5,8 @@ from __future__ import annotations
 import functools
 import itertools
 from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -21,53 +23,42 @@ _PIECE = 16_384
 
 
 class Quantities:
-    """What leads from the estimates of a subject, dimensionless as `System.quantities` has them, to SI."""
+    """What leads from the estimates of a subject, dimensionless as `System.quantities` has them, to SI.
+
+    places: quantity → where the numbers of its joints or muscles are among those in SI.
+    """
 
     def __init__(self, subject: Subject) -> None:
-        system = subject.system
-        self._scales, self._heights = subject.scales, subject.heights
-        self._oblique = bool(self._heights.any())
-        sizes = [len(system.joints)] * len(OF_JOINTS) + [len(system.muscles)] * len(OF_MUSCLES)
-        ends = np.cumsum([0, *sizes]).tolist()
-        self._places = [slice(*ends) for ends in itertools.pairwise(ends)]
+        system, s = subject.system, subject.scales
+        sizes = {**dict.fromkeys(OF_JOINTS, len(system.joints)), **dict.fromkeys(OF_MUSCLES, len(system.muscles))}
+        ends = itertools.accumulate(sizes.values(), initial=0)
+        self.places = {name: slice(*pair) for name, pair in zip(sizes, itertools.pairwise(ends), strict=True)}
+        self._size = sum(sizes.values())
+        self._scales = np.array([s.force, s.length, s.rate, *s.coordinates, *s.torques])
         self._function = _function(subject)
 
     def __call__(self, estimates: Array) -> dict[str, Array]:
         """Quantity → (… × joints or muscles) of estimates (… × quantities)."""
         flat = estimates.reshape(-1, estimates.shape[-1])
-        pieces = [mapped(self._function, [flat[i : i + _PIECE]]) for i in range(0, len(flat), _PIECE)]
-        return self._in_SI(np.concatenate(pieces).reshape(*estimates.shape[:-1], -1))
+        scales = self._scales[None]
+        pieces = [mapped(self._function, [flat[i : i + _PIECE], scales]) for i in range(0, len(flat), _PIECE)]
+        told = _signless(np.concatenate(pieces)).reshape(*estimates.shape[:-1], self._size)
+        return {name: told[..., place] for name, place in self.places.items()}
 
-    def of_memory(self, estimates: Array) -> Callable[[], dict[str, Array]]:
-        """The same of the estimates (quantities) that are in this memory whenever it is called."""
-        told = np.empty(self._places[-1].stop)
+    def of_memory(self, estimates: Array) -> Callable[[], list[float]]:
+        """All numbers in SI of the estimates (quantities) that are in this memory whenever it is called."""
+        told = np.empty(self._size)
         buffer, evaluate = self._function.buffer()
-        buffer.set_arg(0, memoryview(estimates))
+        for i, values in enumerate((estimates, self._scales)):
+            buffer.set_arg(i, memoryview(values))
         buffer.set_res(0, memoryview(told))
 
-        def in_SI(kept: ca.FunctionBuffer) -> dict[str, Array]:
+        def numbers(kept: ca.FunctionBuffer) -> list[float]:
             evaluate()
-            return self._in_SI(told)
+            return _signless(told).tolist()
 
         # `evaluate` does not keep its buffer alive
-        return functools.partial(in_SI, buffer)
-
-    def _in_SI(self, told: Array) -> dict[str, Array]:
-        s = self._scales
-        q, dq, forces, L_S, L, u, a = [told[..., place] for place in self._places]
-        L_C, v_C = s.metres(L), s.fibre_velocity(u)
-        if self._oblique:
-            L_C, along = _fibres(L_C, self._heights)
-            v_C = v_C * along
-        return {
-            "position": s.positions(q),
-            "velocity": s.velocities(dq),
-            "disturbance": s.loads(forces),
-            "tendon_length": s.metres(L_S),
-            "fibre_length": L_C,
-            "fibre_velocity": v_C,
-            "activation": a,
-        }
+        return functools.partial(numbers, buffer)
 
 
 @functools.lru_cache(maxsize=8)
@@ -76,22 +67,41 @@ def quantities_of(subject: Subject) -> Quantities:
     return Quantities(subject)
 
 
+def _signless(values: Array) -> Array:
+    """Without −0: what rests has no direction."""
+    return values + 0.0
+
+
 def _function(subject: Subject) -> ca.Function:
-    """What is to be scaled, by joint or muscle: q, q̇, forces, L_S, L_m − L_S, u, a."""
+    """Of estimates and scales; these are symbols, since CasADi would multiply constants first."""
     system, p = subject.system, subject.laws.p
+    given = ca.SX.sym("scales", 3 + 2 * len(system.joints))
+    force, length, rate, coordinates, torques = ca.vertsplit(given, np.cumsum([0, 1, 1, 1, *[len(system.joints)] * 2]))
+    symbolic: dict[str, Any] = {"coordinates": coordinates, "torques": torques}
+    s: Any = replace(subject.scales, force=force, length=length, rate=rate, **symbolic)
     estimates = symbols(system.quantities)
     q, dq, Delta, L_S, u, a = (
-        [estimates[name] for name in names]
+        ca.vertcat(*(estimates[name] for name in names))
         for names in (*map(system.joint, ("q", "dq", "Delta")), *map(system.muscle, ("L_S", "u", "a")))
     )
-    rest = [L_m - length for L_m, length in zip(system.lengths(q, p), L_S, strict=True)]
-    told = [*q, *dq, *system.forces(q, Delta, p), *L_S, *rest, *u, *a]
-    return ca.Function("quantities", [estimates.vector()], [ca.densify(ca.vertcat(*told))])
+    L_m = ca.vertcat(*system.lengths(ca.vertsplit(q), p))
+    L_C, along = _fibres(s.metres(L_m - L_S), subject.heights)
+    told = {
+        "position": s.positions(q),
+        "velocity": s.velocities(dq),
+        "disturbance": s.loads(ca.vertcat(*system.forces(ca.vertsplit(q), ca.vertsplit(Delta), p))),
+        "tendon_length": s.metres(L_S),
+        "fibre_length": L_C,
+        "fibre_velocity": s.fibre_velocity(u) * along,
+        "activation": a,
+    }
+    all_of = ca.vertcat(*(told[name] for name in (*OF_JOINTS, *OF_MUSCLES)))
+    return ca.Function("quantities", [estimates.vector(), given], [ca.densify(all_of)])
 
 
-def _fibres(L: Array, heights: Array) -> tuple[Array, Array]:
+def _fibres(L: ca.SX, heights: Array) -> tuple[ca.SX, ca.SX]:
     """Lengths of fibres that reach L along the tendon, and the cosines of their angles to it."""
     # L_C cos α = L_m − L_S,  L_C sin α = h
-    oblique = np.hypot(L, heights)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        return np.where(heights > 0, oblique, L), np.where(heights > 0, L / oblique, 1.0)
+    L_C = [ca.hypot(reach, h) if h > 0 else reach for reach, h in zip(ca.vertsplit(L), heights, strict=True)]
+    along = [reach / fibre if h > 0 else 1 for reach, fibre, h in zip(ca.vertsplit(L), L_C, heights, strict=True)]
+    return ca.vertcat(*L_C), ca.vertcat(*along)

@@ -74,7 +74,7 @@ class Laws:
 
 
 def mapped(function: ca.Function, columns: Sequence[Array]) -> Array:
-    """A function of columns, for the last axis of arrays."""
+    """A function of columns, for the last axis of arrays; a single one counts for all of the first array."""
     shape = columns[0].shape
     flat = [np.ascontiguousarray(values.reshape(-1, values.shape[-1]).T) for values in columns]
     results = np.array(function(*flat), dtype=float).T

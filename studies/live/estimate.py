@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from ...model.arrays import Array
-from ..estimate.quantities import OF_JOINTS, OF_MUSCLES
+from ..estimate.quantities import OF_JOINTS, OF_MUSCLES, quantities_of
 from ..laboratory.subject import Subject
 
 # of a pair's mass one number; of a mechanism joint → number
@@ -38,42 +38,33 @@ class Estimate(NamedTuple):
 
 
 class Naming:
-    """The names of a subject's joints and muscles, given to numbers."""
+    """The names of a subject's joints and muscles, given to numbers in the order of `Quantities`."""
 
     def __init__(self, subject: Subject) -> None:
         self._joints, self._muscles = subject.joints, subject.labels
-        self._missing = [math.nan] * max(len(subject.system.joints), len(subject.system.muscles))
+        self._places = quantities_of(subject).places
+        self._missing = [math.nan] * max(place.stop for place in self._places.values())
+        self._of_joints = [self._places[name] for name in OF_JOINTS]
+        self._of_muscles = [self._places[name] for name in OF_MUSCLES]
 
-    def of_joints(self, values: list[float]) -> OfJoints:
-        """Joint → value; a pair's one position needs no name."""
-        return dict(zip(self._joints, values, strict=False)) if self._joints else values[0]
-
-    def of_muscles(self, values: list[float]) -> OfMuscles:
-        """Muscle → value."""
-        return dict(zip(self._muscles, values, strict=False))
-
-    def estimate(self, time: float, age: float, of: Mapping[str, Array], sd: Mapping[str, Array] | None) -> Estimate:
-        """Quantity → values (joints or muscles), and their deviations, with names."""
-        joints, muscles = self.of_joints, self.of_muscles
-        return Estimate(
-            time,
-            age,
-            joints(of["position"].tolist()),
-            joints(of["velocity"].tolist()),
-            joints(of["disturbance"].tolist()),
-            muscles(of["tendon_length"].tolist()),
-            muscles(of["fibre_length"].tolist()),
-            muscles(of["fibre_velocity"].tolist()),
-            muscles(of["activation"].tolist()),
-            None if sd is None else self._deviations(sd),
-        )
+    def estimate(self, time: float, age: float, numbers: list[float], sd: Mapping[str, Array] | None) -> Estimate:
+        """The numbers in SI, and the deviations (joints or muscles), with names."""
+        joints, muscles = self._joints, self._muscles
+        if joints:
+            parts: list[Any] = [dict(zip(joints, numbers[place], strict=True)) for place in self._of_joints]
+        else:
+            # a pair's one position needs no name
+            parts = [numbers[place.start] for place in self._of_joints]
+        parts += [dict(zip(muscles, numbers[place], strict=True)) for place in self._of_muscles]
+        return Estimate(time, age, *parts, None if sd is None else self._deviations(sd))
 
     def nothing(self, time: float, age: float) -> Estimate:
         """No estimates."""
-        of_joints = (self.of_joints(self._missing) for _ in OF_JOINTS)
-        of_muscles = (self.of_muscles(self._missing) for _ in OF_MUSCLES)
-        return Estimate(time, age, *of_joints, *of_muscles, None)  # type: ignore[arg-type]  # as many as there are
+        return self.estimate(time, age, self._missing, None)
 
     def _deviations(self, sd: Mapping[str, Array]) -> dict[str, OfJoints | OfMuscles]:
-        of_joints = {name: self.of_joints(sd[name].tolist()) for name in OF_JOINTS}
-        return {**of_joints, **{name: self.of_muscles(sd[name].tolist()) for name in OF_MUSCLES}}
+        found: dict[str, Any] = {name: sd[name].tolist() for name in (*OF_JOINTS, *OF_MUSCLES)}
+        for name, values in found.items():
+            labels = self._muscles if name in OF_MUSCLES else self._joints
+            found[name] = dict(zip(labels, values, strict=True)) if labels else values[0]
+        return found

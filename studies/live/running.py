@@ -13,7 +13,7 @@ from ...model.arrays import Array
 from ...observers.behind.spread import sd
 from ..estimate.bands.band import state_deviations
 from ..estimate.bands.taut import still_taut
-from ..estimate.follow import filled, followed
+from ..estimate.follow import JITTER, filled, followed
 from ..estimate.quantities import OF_MUSCLES, quantities_of
 from .setup import Setup
 
@@ -29,10 +29,13 @@ class Running:
         self._setup, self._T = setup, T
         # what moves at samples only knows how long a step is, and needs none filled in
         self._longest = math.inf if setup.block.sampled else T
+        # no longer than this, a step is surely not filled
+        self._usual = self._longest * (1 + JITTER / 2)
         self._filter, numbers = setup.filter(gains, first, T)
         self._names = list(setup.block.y)
         subject = setup.subject
-        self._in_SI = quantities_of(subject).of_memory(self._filter.row[: len(subject.system.quantities)])
+        # all numbers in SI at the last sample, in the order of `Quantities`
+        self.estimates = quantities_of(subject).of_memory(self._filter.row[: len(subject.system.quantities)])
         self._joints = len(subject.system.joints)
         self._noises = [numbers[name] for name in _NOISES] if sd("x1") in setup.block.y else []
         self.taut = [False] * len(subject.system.muscles)
@@ -64,7 +67,7 @@ class Running:
 
     def sample(self, tau: float, y: Sequence[float]) -> None:
         """Go on to a sample."""
-        if tau - self._tau <= self._longest or self._tau < 0:
+        if tau - self._tau <= self._usual or self._tau < 0:
             self._filter.sample(tau, y)
         else:
             last = self._filter.state
@@ -73,10 +76,6 @@ class Running:
         self._tau = tau
         if self._noises:
             self._feel(y)
-
-    def estimates(self) -> dict[str, Array]:
-        """Quantity → its numbers in SI (joints or muscles) at the last sample, in memory that may change."""
-        return self._in_SI()
 
     def deviations(self) -> dict[str, Array] | None:
         """The standard deviations, if the observer tells them; NaN where a tendon is slack."""
