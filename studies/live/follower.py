@@ -3,23 +3,27 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
+from ...codegen.recordings.filters import State
 from ..estimate.dataset import explained
 from ..estimate.start import longest_period, too_rare
-from ..files.errors import RecordingError
+from ..files.errors import RecordingError, ScenarioError
 from ..laboratory.gaps import longest_step
 from .estimate import Estimate, Naming
 from .running import Running
 from .samples import Clock, Samples
 from .setup import Setup
+from .state import known, packed
 
 # s at the start from which gains are learnt: docs/live.md#gains says how good they are then
 LEARNING = 5.0
+# s; of more samples gains are no better, and they wait in memory
+_LONGEST = 600.0
 
 
 class Follower:
@@ -28,35 +32,34 @@ class Follower:
     The observer is that of `estimate`, with its steps: a straight line leads from the last sample to the new one.
     """
 
-    def __init__(self, setup: Setup, gains: Mapping[str, float], period: float, seconds: float) -> None:
-        self._setup, self._gains, self._seconds = setup, dict(gains), seconds
+    def __init__(self, setup: Setup, gains: Mapping[str, float], period: float, seconds: float, T: float) -> None:
+        """Period and seconds in s, T in τ; ScenarioError if one of them cannot be, or is too long for the gains.
+
+        period: 0 if samples bring their times. T: the period that the gains are for, 0 if they are still learnt.
+        """
+        s, self._learning = setup.subject.scales, bool(setup.missing(gains))
+        self._setup, self._gains, self.seconds, self.T = setup, dict(gains), seconds, T
+        if not 0 < seconds <= _LONGEST:
+            raise ScenarioError(f"learning must be above 0 and at most {_LONGEST:g} s, not {seconds:g} s")
+        if min(period, T) < 0 or not (self._learning or T):
+            raise ScenarioError(f"the period must be above 0 s, not {min(period, T / s.rate):g} s")
+        if objection := too_rare(max(period, T / s.rate), s):
+            raise ScenarioError(objection)
+        if not self._learning:
+            setup.refuse_too_fast(gains, T)
         self._samples, self._naming, self.clock = Samples(setup.subject), Naming(setup.subject), Clock(period)
-        self._rate, self._units = setup.subject.scales.rate, setup.units
-        # in τ, known once the gains are
-        self.T = period * self._rate
+        self._rate, self._units = s.rate, setup.units
+        self._longest = longest_step(T / s.rate or longest_period(s))
+        # times in s of the observer's first sample and of the last that it was given
         self.start = self.followed = math.nan
         self.learnt_from: list[tuple[float, list[float]]] = []
         self.running: Running | None = None
         self.failure = ""
-        self._learning = bool(setup.missing(gains))
-        self._longest = longest_step(period or longest_period(setup.subject.scales))
-        if not self._learning:
-            setup.refuse_too_fast(gains, self.T)
 
     @property
     def observer(self) -> str:
         """The name of the observer."""
         return self._setup.block.name
-
-    @property
-    def setup(self) -> Setup:
-        """Who follows whose muscles."""
-        return self._setup
-
-    @property
-    def seconds(self) -> float:
-        """How long gains are learnt, in s."""
-        return self._seconds
 
     @property
     def learning(self) -> bool:
@@ -85,16 +88,46 @@ class Follower:
         if not t - self.followed <= self._longest:
             self._begin(t)
         self.followed = t
-        y = [value / unit for value, unit in zip(values, self._units, strict=True)]
         if self._learning:
-            self.learnt_from.append((t, y))
-            if t - self.start >= self._seconds:
+            self.learnt_from.append((t, list(values)))
+            if t - self.start >= self.seconds:
                 self._learn()
         elif not self.failure:
+            y = [value / unit for value, unit in zip(values, self._units, strict=True)]
             if self.running is None:
                 self.running = Running(self._setup, self._gains, y, self.T)
             self.running.sample(self._rate * (t - self.start), y)
         return self._estimate(t)
+
+    def state(self) -> bytes:
+        """Where it stands, for `follow(…, state=…)`: a follower that goes on from there gives the same estimates."""
+        running = None if self.failure else self.running
+        at = running.state if running else State([], 0.0, [])
+        content = {
+            "gains": self._gains,
+            "period": self.clock.period,
+            "T": self.T,
+            "learning": self._learning,
+            "seconds": self.seconds,
+            "clock": {"base": self.clock.base, "count": self.clock.count},
+            "last": known(self.clock.last),
+            "start": known(self.start),
+            "followed": known(self.followed),
+            "learnt_from": [[t, *values] for t, values in self.learnt_from],
+            "failure": self.failure,
+            "first": running.first if running else [],
+            "x": at.x,
+            "tau": [at.t] if running else [],
+            "y": at.y,
+            "taut": running.taut if running else [],
+        }
+        return packed(content, self._setup)
+
+    def remember(self, t: float, values: Sequence[float]) -> None:
+        """Keep a sample from which gains are learnt; RecordingError for one that cannot be."""
+        if self.learnt_from and t <= self.learnt_from[-1][0]:
+            raise RecordingError("time must rise from sample to sample")
+        self.learnt_from.append((t, list(self._samples.taken(values, {}))))
 
     def _begin(self, t: float) -> None:
         self.start, self.running, self.failure, self.learnt_from = t, None, "", []
@@ -110,7 +143,7 @@ class Follower:
     def _learn(self) -> None:
         """Find the gains and pass the samples that have come."""
         times, values = zip(*self.learnt_from, strict=True)
-        tau, y = self._rate * (np.array(times) - self.start), np.array(values)
+        tau, y = self._rate * (np.array(times) - self.start), np.array(values) / self._units
         self.T = float(np.median(np.diff(tau)))
         self.learnt_from = []
         if objection := too_rare(self.T / self._rate, self._setup.subject.scales):

@@ -8,17 +8,15 @@ from pathlib import Path
 import xarray as xr
 
 from ...model.block import Block
-from ..estimate.start import too_rare
-from ..files.errors import ResultError, ScenarioError
+from ..files.datasets.schema import read_json
+from ..files.errors import ScenarioError
 from ..files.numbers import number
 from ..laboratory.mechanisms.mechanism import Mechanism
 from ..laboratory.muscles import MusclePair
 from ..laboratory.subject import Subject
 from .follower import LEARNING, Follower
+from .resuming import resumed
 from .setup import setup
-
-# s; of more samples gains are no better, and they wait in memory
-_LONGEST = 600.0
 
 
 def follow(
@@ -36,36 +34,30 @@ def follow(
     may be left out where gains are those of estimates, which know it, or where they are learnt from samples with times.
     gains: path → value, as `estimate` tells them, or its Dataset. What is left out is learnt, in the first `learning`
     seconds, in which there are no estimates. corrected: as for `estimate`.
-    state: what `Follower.state` gave, to go on from there: it knows its period and gains.
+    state: what `state()` of a follower gave, to go on from there: it knows its period and gains.
     ScenarioError or ResultError for what is wrong with any of them, BuildError if nothing can be compiled.
     """
     made = setup(muscles, observer, corrected)
+    if state is not None:
+        if gains is not None or period is not None:
+            raise ScenarioError("a state knows its gains and its period; leave them out")
+        return resumed(state, made)
     given = made.given(gains)
-    seconds = number("learning", learning)
-    if not 0 < seconds <= _LONGEST:
-        raise ScenarioError(f"learning must be above 0 and at most {_LONGEST:g} s, not {seconds:g} s")
-    missing = made.missing(given)
-    if missing:
+    if made.missing(given):
         made.compile_learning()
-    return Follower(made, given, _period(period, gains, missing, made.subject), seconds)
+    seconds = _period(period, gains, bool(made.missing(given)))
+    T = made.subject.scales.rate * seconds
+    return Follower(made, given, seconds, number("learning", learning), T)
 
 
-def _period(
-    period: float | None, gains: Mapping[str, float] | xr.Dataset | None, missing: list[str], subject: Subject
-) -> float:
+def _period(period: float | None, gains: Mapping[str, float] | xr.Dataset | None, learning: bool) -> float:
     """In s; 0 if the samples will tell it."""
-    if period is None and isinstance(gains, xr.Dataset):
-        try:
-            period = float(gains.attrs["period"])
-        except (KeyError, ValueError) as error:
-            raise ResultError("the estimates do not tell their period") from error
-    if period is None:
-        if missing:
-            return 0.0
-        raise ScenarioError("period, in s from sample to sample, must be given with the gains")
-    seconds = number("period", period)
-    if seconds <= 0:
-        raise ScenarioError(f"period must be above 0 s, not {seconds:g} s")
-    if objection := too_rare(seconds, subject.scales):
-        raise ScenarioError(objection)
-    return seconds
+    if period is not None:
+        if (seconds := number("period", period)) <= 0:
+            raise ScenarioError(f"period must be above 0 s, not {seconds:g} s")
+        return seconds
+    if isinstance(gains, xr.Dataset):
+        return float(read_json("period", str(gains.attrs.get("period")), float))
+    if learning:
+        return 0.0
+    raise ScenarioError("period, in s from sample to sample, must be given with the gains")
