@@ -119,8 +119,9 @@ class Filter:
         self._begun = False
         # the sample before the last, and the last
         self._t, self._y = np.zeros(2), np.zeros((2, len(bank.measured)))
-        self._rows = np.full((2, len(self._block.y) + len(self._block.guards)), np.nan)
-        self._views = memoryview(self._t), memoryview(self._y.reshape(-1))
+        self._rows: Array = np.full((2, len(self._block.y) + len(self._block.guards)), np.nan)
+        # their numbers, quicker to reach one by one
+        self._views: Any = self._t.data, self._y.reshape(-1).data
         self._places = [[array[i:].ctypes.data for array in (self._t, self._y, self._rows)] for i in (0, 1)]
         self._pointer = ctypes.byref(self._filter)
         self.failure: Failure | None = None
@@ -133,7 +134,8 @@ class Filter:
     @property
     def row(self) -> Array:
         """Its outputs, then its guards, at the last sample, in memory that stays; NaN from a failure on."""
-        return self._rows[1]
+        last: Array = self._rows[1]
+        return last
 
     @property
     def state(self) -> State:

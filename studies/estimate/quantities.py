@@ -48,14 +48,16 @@ class Quantities:
     def of_memory(self, estimates: Array) -> Callable[[], list[float]]:
         """All numbers in SI of the estimates (quantities) that are in this memory whenever it is called."""
         told = np.empty(self._size)
+        buffer: Any
         buffer, evaluate = self._function.buffer()
         for i, values in enumerate((estimates, self._scales)):
-            buffer.set_arg(i, memoryview(values))
-        buffer.set_res(0, memoryview(told))
+            buffer.set_arg(i, values.data)
+        buffer.set_res(0, told.data)
 
         def numbers(kept: ca.FunctionBuffer) -> list[float]:
             evaluate()
-            return _signless(told).tolist()
+            found: list[float] = _signless(told).tolist()
+            return found
 
         # `evaluate` does not keep its buffer alive
         return functools.partial(numbers, buffer)
@@ -77,8 +79,8 @@ def _function(subject: Subject) -> ca.Function:
     system, p = subject.system, subject.laws.p
     given = ca.SX.sym("scales", 3 + 2 * len(system.joints))
     force, length, rate, coordinates, torques = ca.vertsplit(given, np.cumsum([0, 1, 1, 1, *[len(system.joints)] * 2]))
-    symbolic: dict[str, Any] = {"coordinates": coordinates, "torques": torques}
-    s: Any = replace(subject.scales, force=force, length=length, rate=rate, **symbolic)
+    scales: Any = {"force": force, "length": length, "rate": rate, "coordinates": coordinates, "torques": torques}
+    s: Any = replace(subject.scales, **scales)
     estimates = symbols(system.quantities)
     q, dq, Delta, L_S, u, a = (
         ca.vertcat(*(estimates[name] for name in names))

@@ -56,7 +56,7 @@ class Naming:
             # a pair's one position needs no name
             parts = [numbers[place.start] for place in self._of_joints]
         parts += [dict(zip(muscles, numbers[place], strict=True)) for place in self._of_muscles]
-        return Estimate(time, age, *parts, None if sd is None else self._deviations(sd))
+        return Estimate._make([time, age, *parts, None if sd is None else self._deviations(sd)])
 
     def nothing(self, time: float, age: float) -> Estimate:
         """No estimates."""
