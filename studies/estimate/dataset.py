@@ -79,7 +79,7 @@ def estimate_dataset(case: Case, results: Mapping[str, Result], library: str) ->
         return of_muscle(of_observers, active.transpose(0, 2, 1).astype(np.int8), "1", _LIMITED[signal])
 
     def of_joint(dims: tuple[str, ...], values: Array, quantity: str, sentence: str) -> Variable:
-        about = _about(_unit(s.sliding, quantity), sentence)
+        about = _about(unit_of_joints(s.sliding, quantity), sentence)
         return ((*dims, "joint"), values, about) if subject.joints else (dims, values[..., 0], about)
 
     def of_muscle(dims: tuple[str, ...], values: np.ndarray[Any, Any], unit: str, sentence: str) -> Variable:
@@ -128,7 +128,7 @@ def estimate_dataset(case: Case, results: Mapping[str, Result], library: str) ->
             {"long_name": "the muscles in SI, and what they pull, as JSON"},
         ),
     }
-    data |= deviations(case, results, {name: _unit(s.sliding, name) for name in _UNITS})
+    data |= deviations(case, results, {name: unit_of_joints(s.sliding, name) for name in _UNITS})
     for name, (unit, sentence) in TRUE.items():
         columns = subject.names.get(name, ())
         if columns and all(column in recording.true for column in columns):
@@ -150,8 +150,8 @@ _LIMITED = {
 }
 
 
-def _unit(sliding: Sequence[bool], quantity: str) -> str:
-    """That of all joints, or both if some slide and some turn."""
+def unit_of_joints(sliding: Sequence[bool], quantity: str) -> str:
+    """The unit of a quantity of joints, or both if some slide and some turn."""
     slides, turns = _UNITS[quantity]
     return slides if all(sliding) else f"{slides}{_OR}{turns}" if any(sliding) else turns
 

@@ -45,14 +45,19 @@ class Cells:
         self._in_quotes = re.compile(rb'(?<![^%b\n])"([^"%b\n]*)"(?=[%b\n])' % (mark, mark, mark))
 
     def read(self, block: bytes) -> tuple[Rows, Array]:
-        """Row numbers in the file and the values (rows × used) of a block. RecordingError names a broken cell."""
+        """Row numbers in the file and the values (rows × used) of a block.
+
+        RecordingError names a broken cell; the next block may be read nevertheless.
+        """
         count = block.count(b"\n")
-        values = self._quickly(block, count)
-        if values is None:
-            rows, values = self._carefully(block)
-        else:
-            rows = np.arange(self._row, self._row + count, dtype=np.int64)
-        self._row += count
+        try:
+            values = self._quickly(block, count)
+            if values is None:
+                rows, values = self._carefully(block)
+            else:
+                rows = np.arange(self._row, self._row + count, dtype=np.int64)
+        finally:
+            self._row += count
         there = ~np.isnan(values).all(axis=1)
         return (rows, values) if there.all() else (rows[there], values[there])
 

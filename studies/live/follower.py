@@ -62,6 +62,11 @@ class Follower:
         return self._setup.block.name
 
     @property
+    def sure(self) -> bool:
+        """Whether it tells standard deviations."""
+        return self._setup.sure
+
+    @property
     def learning(self) -> bool:
         """Whether gains are still learnt: until then there are no estimates."""
         return self._learning

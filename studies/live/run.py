@@ -8,13 +8,13 @@ from pathlib import Path
 import xarray as xr
 
 from ...model.block import Block
-from ..files.datasets.schema import read_json
 from ..files.errors import ScenarioError
 from ..files.numbers import number
 from ..laboratory.mechanisms.mechanism import Mechanism
 from ..laboratory.muscles import MusclePair
 from ..laboratory.subject import Subject
 from .follower import LEARNING, Follower
+from .gains import period_of_estimates
 from .resuming import resumed
 from .setup import setup
 
@@ -57,7 +57,7 @@ def _period(period: float | None, gains: Mapping[str, float] | xr.Dataset | None
             raise ScenarioError(f"period must be above 0 s, not {seconds:g} s")
         return seconds
     if isinstance(gains, xr.Dataset):
-        return float(read_json("period", str(gains.attrs.get("period")), float))
+        return period_of_estimates(gains)
     if learning:
         return 0.0
     raise ScenarioError("period, in s from sample to sample, must be given with the gains")

@@ -10,7 +10,6 @@ import numpy as np
 from ...codegen.failure import Failure
 from ...codegen.recordings.filters import State
 from ...model.arrays import Array
-from ...observers.behind.spread import sd
 from ..estimate.bands.band import state_deviations
 from ..estimate.bands.taut import still_taut
 from ..estimate.follow import JITTER, filled, followed
@@ -37,7 +36,7 @@ class Running:
         # all numbers in SI at the last sample, in the order of `Quantities`
         self.estimates = quantities_of(subject).of_memory(self._filter.row[: len(subject.system.quantities)])
         self._joints = len(subject.system.joints)
-        self._noises = [numbers[name] for name in _NOISES] if sd("x1") in setup.block.y else []
+        self._noises = [numbers[name] for name in _NOISES] if setup.sure else []
         self.taut = [False] * len(subject.system.muscles)
         self._tau = -math.inf
 

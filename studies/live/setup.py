@@ -14,10 +14,10 @@ from ...codegen.recordings.filters import CompiledBank, Filter
 from ...model.arrays import Array
 from ...model.block import Block
 from ...observers import OBSERVERS, Observer
+from ...observers.behind.spread import sd
 from ..estimate.follow import chosen_bank, compiled_bank, lengths_block, measured_tendons, observer_paths
 from ..estimate.sizes.first_pass import compile_first_pass, first_pass
 from ..estimate.start import begun, gains_by_hand, gains_of_block, gains_of_rule
-from ..files.datasets.schema import read_json
 from ..files.errors import ScenarioError
 from ..files.numbers import switch
 from ..files.quote import shown, table
@@ -26,6 +26,7 @@ from ..laboratory.muscles import MusclePair
 from ..laboratory.subject import Subject, subject_of
 from ..scenarios.observers import observers_named
 from ..scenarios.paths import Paths
+from .gains import gains_of_estimates
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,6 +39,11 @@ class Setup:
     compiled: CompiledBank
     paths: Paths
     corrected: bool
+
+    @property
+    def sure(self) -> bool:
+        """Whether the observer tells standard deviations."""
+        return sd("x1") in self.block.y
 
     @functools.cached_property
     def units(self) -> list[float]:
@@ -70,13 +76,9 @@ class Setup:
 
     def given(self, gains: Mapping[str, float] | xr.Dataset | None) -> dict[str, float]:
         """Path → value of gains that are given by path, or are those of estimates. ScenarioError if they are none."""
-        name = self.block.name
         if isinstance(gains, xr.Dataset):
-            of_each = read_json("gains", str(gains.attrs.get("gains")), dict[str, dict[str, float]])
-            if name not in of_each:
-                raise ScenarioError(f"the estimates are those of {', '.join(of_each)}, and have no gains of {name}")
-            gains = of_each[name]
-        return gains_of_block(self.block, gains_by_hand(table("gains", gains or {}), [name], self.paths))
+            gains = gains_of_estimates(gains, self.block.name)
+        return gains_of_block(self.block, gains_by_hand(table("gains", gains or {}), [self.block.name], self.paths))
 
     def missing(self, gains: Mapping[str, float]) -> list[str]:
         """Gains that the rule finds and that are not given."""

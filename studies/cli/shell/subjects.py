@@ -1,0 +1,36 @@
+"""`--muscles` and `--mechanism`: whose recording, or whose samples, a command is given."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+
+from ...files.errors import ScenarioError
+from ...laboratory.mechanisms.reading import read_mechanism
+from ...laboratory.muscles import read_muscles
+from ...laboratory.subject import Subject, pair_subject, subject_of
+from .options import Decorator
+
+
+def subject_options() -> Decorator:
+    """Both options, for `typed_subject`."""
+
+    def decorate(command: Any) -> Any:  # noqa: ANN401 — a function, or what click has made of it
+        command = click.option(
+            "--mechanism", metavar="FILE.toml", help="Or joints and muscles, see docs/mechanisms.md."
+        )(command)
+        return click.option("--muscles", metavar="FILE.toml", help="A pair of muscles in SI, see docs/recordings.md.")(
+            command
+        )
+
+    return decorate
+
+
+def typed_subject(muscles: str | None, mechanism: str | None) -> Subject:
+    """The pair or the mechanism of a file. ScenarioError unless there is one of both, or for what is wrong in it."""
+    if (muscles is None) == (mechanism is None):
+        raise ScenarioError("a recording needs --muscles FILE.toml, a pair, or --mechanism FILE.toml, one of them")
+    if mechanism is not None:
+        return subject_of(read_mechanism(mechanism))
+    return pair_subject(read_muscles(str(muscles)))
