@@ -84,7 +84,7 @@ def _check_sizes(told: dict[str, Any], setup: Setup) -> None:
     sizes = {"tau": 1, "first": width, "y": width, "x": len(setup.block.x), "taut": len(setup.subject.muscles)}
     wrong = [name for name, size in sizes.items() if len(told[name]) != size * running]
     wrong += [name for name in ("last", "start", "followed") if len(told[name]) > 1]
-    wrong += ["samples"] * any(len(row) != 1 + width for row in told["learnt_from"])
+    wrong += ["learnt_from"] * any(len(row) != 1 + width for row in told["learnt_from"])
     if wrong or not -1 <= told["clock"]["count"] <= _MOST:
         raise ResultError(f"its {(*wrong, 'clock')[0]} has another size than this observer's")
 
