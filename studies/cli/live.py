@@ -134,11 +134,11 @@ def _follow(followers: Sequence[Follower], lines: Lines, table: EstimateTable) -
             words.say(str(error) if "row" in str(error) else f"row {lines.row}: {error}")
             continue
         if came and not estimates[0].age:
-            complain(f"row {lines.row}: there was no sample for too long to bridge it: the observers begin anew")
+            complain(f"row {lines.row}: no sample came for too long to bridge it: the observers begin anew")
         came = True
         for follower in [follower for follower in learning if not follower.learning]:
             learning.remove(follower)
-            known = ", ".join(f"{path}={value:.6g}" for path, value in follower.gains.items())
+            known = ", ".join(f"{path}={value!r}" for path, value in follower.gains.items())
             complain(f"learnt: {known}")
         if row := table.numbers(estimates[0].time, estimates):
             if not headed and not lines.is_json:
