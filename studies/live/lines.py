@@ -83,7 +83,9 @@ class Lines:
             return None
         header = read_header([text_of(text) for text in self._head], opensim=False)
         columns = self._chosen.of(header.labels, header.units)
-        self._form = _Table(Cells(header.labels, [c.index for c in columns.all], header.delimiter, self.row), columns)
+        self._form = _Table(
+            Cells(header.labels, [c.index for c in columns.all], header.delimiter, header.lines + 1), columns
+        )
         return None if header.lines == self.row else self._form.sample(line, self.row)
 
 
@@ -97,7 +99,7 @@ class _Chosen:
     def sample(self, values: list[float | None]) -> Sample:
         """The values of all, in the units that they are written in."""
         in_SI = [
-            None if value is None else float(column.unit.to_SI(np.float64(value)))
+            None if value is None else float(column.unit.to_SI(np.array([value]))[0])
             for column, value in zip(self.all, values, strict=True)
         ]
         if self.time is None:

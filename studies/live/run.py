@@ -13,6 +13,7 @@ from ..files.numbers import number
 from ..laboratory.mechanisms.mechanism import Mechanism
 from ..laboratory.muscles import MusclePair
 from ..laboratory.subject import Subject
+from ..scenarios.layers import Value
 from .follower import LEARNING, Follower
 from .gains import period_of_estimates
 from .resuming import resumed
@@ -23,7 +24,7 @@ def follow(
     muscles: str | Path | MusclePair | Mechanism | Subject,
     observer: str | Block,
     period: float | None = None,
-    gains: Mapping[str, float] | xr.Dataset | None = None,
+    gains: Mapping[str, Value] | xr.Dataset | None = None,
     corrected: bool = True,
     learning: float = LEARNING,
     state: bytes | None = None,
@@ -50,7 +51,7 @@ def follow(
     return Follower(made, given, seconds, number("learning", learning), T)
 
 
-def _period(period: float | None, gains: Mapping[str, float] | xr.Dataset | None, learning: bool) -> float:
+def _period(period: float | None, gains: Mapping[str, Value] | xr.Dataset | None, learning: bool) -> float:
     """In s; 0 if the samples will tell it."""
     if period is not None:
         if (seconds := number("period", period)) <= 0:

@@ -24,6 +24,7 @@ from ..files.quote import shown, table
 from ..laboratory.mechanisms.mechanism import Mechanism
 from ..laboratory.muscles import MusclePair
 from ..laboratory.subject import Subject, subject_of
+from ..scenarios.layers import Value
 from ..scenarios.observers import observers_named
 from ..scenarios.paths import Paths
 from .gains import gains_of_estimates
@@ -74,7 +75,7 @@ class Setup:
         sizes = first_pass(self.subject.laws, y, self.tendons(y), T, tau)
         return gains_of_rule(self.observer, self.subject.system, self.block, sizes, T)
 
-    def given(self, gains: Mapping[str, float] | xr.Dataset | None) -> dict[str, float]:
+    def given(self, gains: Mapping[str, Value] | xr.Dataset | None) -> dict[str, float]:
         """Path → value of gains that are given by path, or are those of estimates. ScenarioError if they are none."""
         if isinstance(gains, xr.Dataset):
             gains = gains_of_estimates(gains, self.block.name)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
 
 from ..estimate.dataset import TRUE, unit_of_joints
 from ..estimate.quantities import OF_JOINTS, OF_MUSCLES
@@ -62,7 +63,7 @@ def _columns(subject: Subject) -> Iterator[tuple[str, str]]:
         yield from ((name, TRUE[quantity][0]) for name in subject.names[quantity])
 
 
-def _numbers(of: Mapping[str, object]) -> list[float]:
+def _numbers(of: Mapping[str, Any]) -> list[float]:
     """The numbers of all quantities."""
     row: list[float] = []
     for quantity in (*OF_JOINTS, *OF_MUSCLES):
