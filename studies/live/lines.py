@@ -83,9 +83,7 @@ class Lines:
             return None
         header = read_header([text_of(text) for text in self._head], opensim=False)
         columns = self._chosen.of(header.labels, header.units)
-        self._form = _Table(
-            Cells(header.labels, [c.index for c in columns.all], header.delimiter, header.lines + 1), columns
-        )
+        self._form = _Table(Cells(header.labels, [c.index for c in columns.all], header.delimiter, self.row), columns)
         return None if header.lines == self.row else self._form.sample(line, self.row)
 
 
@@ -124,6 +122,8 @@ class _Table:
         self._cells, self._columns = cells, columns
 
     def sample(self, line: bytes, row: int) -> Sample | None:
+        # of lines before it some were refused before they came here
+        self._cells.row = row
         _, values = self._cells.read(line + b"\n")
         return self._columns.sample(values[0].tolist()) if len(values) else None
 
