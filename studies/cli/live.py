@@ -81,12 +81,12 @@ def live(
                 follow(subject, observer, corrected=corrected, state=content)
                 for observer, content in zip(named.values(), states, strict=True)
             ]
-    lines = Lines(subject.columns, mapping, timeless=all(follower.clock.period for follower in followers))
+    lines = Lines(subject.columns, mapping, timeless=all(follower.period for follower in followers))
     with _kept(followers, save_state):
-        _follow(followers, lines, EstimateTable(subject, [f.observer for f in followers], _sure(followers)))
+        failed = _follow(followers, lines, EstimateTable(subject, [f.observer for f in followers], _sure(followers)))
     if unlearnt := [follower.observer for follower in followers if follower.learning and save_state is None]:
         raise RecordingError(f"standard input ended while the gains of {unlearnt[0]} were learnt: nothing is estimated")
-    if any(follower.failure for follower in followers):
+    if failed:
         sys.exit(NUMERICAL)
 
 
@@ -116,8 +116,8 @@ def _begun(
     return followers
 
 
-def _follow(followers: Sequence[Follower], lines: Lines, table: EstimateTable) -> None:
-    """All lines of standard input, and their estimates."""
+def _follow(followers: Sequence[Follower], lines: Lines, table: EstimateTable) -> set[str]:
+    """All lines of standard input, and their estimates; the observers that have failed."""
     words, headed, came, learning = _Words(), False, False, [f for f in followers if f.learning]
     failed: set[str] = set()
     if learning:
@@ -152,6 +152,7 @@ def _follow(followers: Sequence[Follower], lines: Lines, table: EstimateTable) -
     words.end()
     if not lines.begun:
         raise RecordingError("standard input ended before there was a sample")
+    return failed
 
 
 class _Words:

@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
 from ...codegen.recordings.filters import State
+from ...model.errors import Error
 from ..estimate.dataset import explained
 from ..estimate.start import longest_period, too_rare
-from ..files.errors import RecordingError, ScenarioError
+from ..files.errors import RecordingError, ResultError, ScenarioError
 from ..laboratory.gaps import longest_step
 from .estimate import Estimate, Naming
 from .running import Running
 from .samples import Clock, Samples
 from .setup import Setup
-from .state import known, packed
+from .state import known, packed, unpacked
 
 # s at the start from which gains are learnt: docs/live.md#gains says how good they are then
 LEARNING = 5.0
@@ -30,6 +32,7 @@ class Follower:
     """Gives an estimate of each sample; made by `follow`.
 
     The observer is that of `estimate`, with its steps: a straight line leads from the last sample to the new one.
+    seconds: how long gains are learnt. failure: why there are no estimates any more, empty while there are.
     """
 
     def __init__(self, setup: Setup, gains: Mapping[str, float], period: float, seconds: float, T: float) -> None:
@@ -38,7 +41,7 @@ class Follower:
         period: 0 if samples bring their times. T: the period that the gains are for, 0 if they are still learnt.
         """
         s, self._learning = setup.subject.scales, bool(setup.missing(gains))
-        self._setup, self._gains, self.seconds, self.T = setup, dict(gains), seconds, T
+        self._setup, self._gains, self.seconds, self._T = setup, dict(gains), seconds, T
         if not 0 < seconds <= _LONGEST:
             raise ScenarioError(f"learning must be above 0 and at most {_LONGEST:g} s, not {seconds:g} s")
         if min(period, T) < 0 or not (self._learning or T):
@@ -47,19 +50,24 @@ class Follower:
             raise ScenarioError(objection)
         if not self._learning:
             setup.refuse_too_fast(gains, T)
-        self._samples, self._naming, self.clock = Samples(setup.subject), Naming(setup.subject), Clock(period)
+        self._samples, self._naming, self._clock = Samples(setup.subject), Naming(setup.subject), Clock(period)
         self._rate, self._units = s.rate, setup.units
         self._longest = longest_step(T / s.rate or longest_period(s))
         # times in s of the observer's first sample and of the last that it was given
-        self.start = self.followed = math.nan
-        self.learnt_from: list[tuple[float, list[float]]] = []
-        self.running: Running | None = None
+        self._start = self._followed = math.nan
+        self._learnt_from: list[tuple[float, list[float]]] = []
+        self._running: Running | None = None
         self.failure = ""
 
     @property
     def observer(self) -> str:
         """The name of the observer."""
         return self._setup.block.name
+
+    @property
+    def period(self) -> float:
+        """The period in s that a sample without a time is after the one before; 0 if each needs its time."""
+        return self._clock.period
 
     @property
     def sure(self) -> bool:
@@ -86,39 +94,39 @@ class Follower:
         not there. Estimates are NaN while gains are learnt, and for good once the observer has failed, see `failure`.
         """
         values = self._samples.taken(measured, columns)
-        t = self.clock.next(time)
+        t = self._clock.next(time)
         # the sum of numbers and NaN is NaN
         if (total := sum(values)) != total:
-            return self._naming.nothing(t, t - self.start)
-        if not t - self.followed <= self._longest:
+            return self._naming.nothing(t, t - self._start)
+        if not t - self._followed <= self._longest:
             self._begin(t)
-        self.followed = t
+        self._followed = t
         if self._learning:
-            self.learnt_from.append((t, list(values)))
-            if t - self.start >= self.seconds:
+            self._learnt_from.append((t, list(values)))
+            if t - self._start >= self.seconds:
                 self._learn()
         elif not self.failure:
             y = [value / unit for value, unit in zip(values, self._units, strict=True)]
-            if self.running is None:
-                self.running = Running(self._setup, self._gains, y, self.T)
-            self.running.sample(self._rate * (t - self.start), y)
+            if self._running is None:
+                self._running = Running(self._setup, self._gains, y, self._T)
+            self._running.sample(self._rate * (t - self._start), y)
         return self._estimate(t)
 
     def state(self) -> bytes:
         """Where it stands, for `follow(…, state=…)`: a follower that goes on from there gives the same estimates."""
-        running = None if self.failure else self.running
+        running = None if self.failure else self._running
         at = running.state if running else State([], 0.0, [])
         content = {
             "gains": self._gains,
-            "period": self.clock.period,
-            "T": self.T,
+            "period": self._clock.period,
+            "T": self._T,
             "learning": self._learning,
             "seconds": self.seconds,
-            "clock": {"base": self.clock.base, "count": self.clock.count},
-            "last": known(self.clock.last),
-            "start": known(self.start),
-            "followed": known(self.followed),
-            "learnt_from": [[t, *values] for t, values in self.learnt_from],
+            "clock": {"base": self._clock.base, "count": self._clock.count},
+            "last": known(self._clock.last),
+            "start": known(self._start),
+            "followed": known(self._followed),
+            "learnt_from": [[t, *values] for t, values in self._learnt_from],
             "failure": self.failure,
             "first": running.first if running else [],
             "x": at.x,
@@ -128,33 +136,56 @@ class Follower:
         }
         return packed(content, self._setup)
 
-    def remember(self, t: float, values: Sequence[float]) -> None:
-        """Keep a sample from which gains are learnt; RecordingError for one that cannot be."""
-        if self.learnt_from and t <= self.learnt_from[-1][0]:
-            raise RecordingError("time must rise from sample to sample")
-        self.learnt_from.append((t, list(self._samples.taken(values, {}))))
+    @classmethod
+    def resumed(cls, state: object, setup: Setup) -> Follower:
+        """The follower whose state it was. ResultError if it was none, or that of another observer or muscles."""
+        try:
+            return cls._resumed(unpacked(state, setup), setup)
+        except Error as error:
+            raise ResultError(f"the state cannot be gone on from: {error}") from error
+
+    @classmethod
+    def _resumed(cls, told: Mapping[str, Any], setup: Setup) -> Follower:
+        gains, running = setup.given(told["gains"]), bool(told["tau"])
+        if told["learning"] != bool(setup.missing(gains)) or (running and told["learning"]):
+            raise ResultError("its gains are not those of this observer")
+        follower = cls(setup, gains, told["period"], told["seconds"], told["T"])
+        follower.failure = told["failure"]
+        clock = follower._clock
+        clock.base, clock.count = told["clock"]["base"], told["clock"]["count"]
+        for owner, name in ((clock, "last"), (follower, "_start"), (follower, "_followed")):
+            if time := told[name.removeprefix("_")]:
+                setattr(owner, name, time[0])
+        for (before, *_), (after, *_) in itertools.pairwise(told["learnt_from"]):
+            if before >= after:
+                raise ResultError("the times of its samples do not rise")
+        follower._learnt_from = [(t, list(follower._samples.taken(y, {}))) for t, *y in told["learnt_from"]]
+        if running:
+            follower._running = Running(setup, gains, told["first"], told["T"])
+            follower._running.go_on_from(State(told["x"], told["tau"][0], told["y"]), told["taut"])
+        return follower
 
     def _begin(self, t: float) -> None:
-        self.start, self.running, self.failure, self.learnt_from = t, None, "", []
+        self._start, self._running, self.failure, self._learnt_from = t, None, "", []
 
     def _estimate(self, t: float) -> Estimate:
-        age, running = t - self.start, self.running
+        age, running = t - self._start, self._running
         if running is None or self.failure:
             return self._naming.nothing(t, age)
         if running.failure is not None:
-            self.failure = explained(self.observer, running.failure, self.start + running.failure.time / self._rate)
+            self.failure = explained(self.observer, running.failure, self._start + running.failure.time / self._rate)
         return self._naming.estimate(t, age, running.estimates(), running.deviations())
 
     def _learn(self) -> None:
         """Find the gains and pass the samples that have come."""
-        times, values = zip(*self.learnt_from, strict=True)
-        tau, y = self._rate * (np.array(times) - self.start), np.array(values) / self._units
-        self.T = float(np.median(np.diff(tau)))
-        self.learnt_from = []
-        if objection := too_rare(self.T / self._rate, self._setup.subject.scales):
-            self._begin(math.nan)
+        times, values = zip(*self._learnt_from, strict=True)
+        tau, y = self._rate * (np.array(times) - self._start), np.array(values) / self._units
+        self._T = float(np.median(np.diff(tau)))
+        self._learnt_from = []
+        if objection := too_rare(self._T / self._rate, self._setup.subject.scales):
+            self._followed = math.nan
             raise RecordingError(f"nothing can be learnt: {objection}")
-        self._gains = {**self._setup.learnt(y, tau, self.T), **self._gains}
-        self._learning, self._longest = False, longest_step(self.T / self._rate)
-        self.running = Running(self._setup, self._gains, y[0].tolist(), self.T)
-        self.running.all_of(tau, y)
+        self._gains = {**self._setup.learnt(y, tau, self._T), **self._gains}
+        self._learning, self._longest = False, longest_step(self._T / self._rate)
+        self._running = Running(self._setup, self._gains, y[0].tolist(), self._T)
+        self._running.all_of(tau, y)

@@ -16,7 +16,6 @@ from ..laboratory.subject import Subject
 from ..scenarios.layers import Value
 from .follower import LEARNING, Follower
 from .gains import period_of_estimates
-from .resuming import resumed
 from .setup import setup
 
 
@@ -42,7 +41,7 @@ def follow(
     if state is not None:
         if gains is not None or period is not None:
             raise ScenarioError("a state knows its gains and its period; leave them out")
-        return resumed(state, made)
+        return Follower.resumed(state, made)
     given = made.given(gains)
     if made.missing(given):
         made.compile_learning()

@@ -3,13 +3,13 @@
 import json
 import math
 import re
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import hillobs
-from hillobs import Recording, RecordingError
+from hillobs import Block, Recording, RecordingError
+from hillobs.studies.files.datasets.netcdf import sealed, unsealed
 from live_samples import QUANTITIES, assert_same, numbers, rows, stepped
 from shipped_recording import CHAINS, HINGE, MUSCLES, part
 
@@ -135,10 +135,10 @@ def test_an_observer_that_fails_says_when_and_has_no_estimates_from_then_on(shor
     follower = hillobs.follow(MUSCLES, "high_gain", period=0.005, gains=gains)
     samples = rows(short)
     stepped(follower, samples[:5])
-    assert follower.running is not None
-    # no recording of a muscle does it: its states are moved beyond all limits
-    at = follower.running.state
-    follower.running.go_on_from(replace(at, x=[1e9] * len(at.x)), follower.running.taut)
+    # no recording of a muscle does it: a state beyond all limits
+    content = json.loads(unsealed(follower.state()) or b"")
+    wild = sealed(json.dumps({**content, "x": [1e9] * len(content["x"])}).encode())
+    follower = hillobs.follow(MUSCLES, "high_gain", state=wild)
     told = stepped(follower, samples[5:9])
     assert all(math.isnan(estimate.position) for estimate in told)
     assert re.fullmatch(r"high_gain: x1_hat is not a number within ±\S+ at 0.025 s; .*", follower.failure)
@@ -174,6 +174,29 @@ def test_wrong_arguments_are_sentences(arguments: dict[str, object], sentence: s
     with pytest.raises(hillobs.Error) as caught:
         hillobs.follow(**{"muscles": MUSCLES, "observer": "high_gain", **arguments})
     assert str(caught.value).startswith(sentence)
+
+
+def test_nothing_is_learnt_from_samples_that_are_too_rare() -> None:
+    follower = hillobs.follow(MUSCLES, "high_gain", learning=0.3)
+    values = 0.31, 400.0, 400.0
+    for start in (0.0, 1.0):
+        for i in range(3):
+            follower.step(*values, time=start + i * 0.1)
+        with pytest.raises(
+            RecordingError, match=r"nothing can be learnt: a sample every 0\.1 s is too few for muscles"
+        ):
+            follower.step(*values, time=start + 0.31)
+    # it begins with the sample after that
+    assert follower.learning
+    assert follower.step(*values, time=1.4).age == 0
+
+
+def test_an_observer_of_your_own_follows_with_its_own_numbers(short: Recording, proportional: Block) -> None:
+    estimates = hillobs.estimate(short, MUSCLES, [proportional], changes={"proportional.gain": 5.0})
+    given = hillobs.follow(MUSCLES, proportional, period=0.005, gains={"proportional.gain": 5.0})
+    # no rule knows its numbers, so nothing is learnt
+    assert not given.learning
+    assert_same(stepped(given, rows(short)), estimates, "proportional")
 
 
 def test_samples_need_times_where_no_period_is_given() -> None:

@@ -81,7 +81,7 @@ def forged(state: bytes, **changes: Any) -> bytes:
         (lambda state: forged(state, start=[1.0, 2.0]), "its start has another size"),
         (lambda state: forged(state, learnt_from=[[1.0]]), "its learnt_from has another size"),
         (lambda state: forged(state, learnt_from=[[1.0, -5.0, 1.0, 1.0]]), "position = -5 m; the mass is between"),
-        (lambda state: forged(state, learnt_from=[[1.0, 0.3, 1.0, 1.0]] * 2), "time must rise"),
+        (lambda state: forged(state, learnt_from=[[1.0, 0.3, 1.0, 1.0]] * 2), "the times of its samples do not rise"),
         (lambda state: forged(state, gains={}), "its gains are not those of this observer"),
         (lambda state: forged(state, gains={**GAINS, "high_gain.m": -1.0}), "high_gain.m must be above 0, not -1"),
         (lambda state: forged(state, learning=True), "its gains are not those of this observer"),
