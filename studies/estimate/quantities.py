@@ -13,7 +13,6 @@ import numpy as np
 
 from ...model.arrays import Array
 from ...model.block import symbols
-from ..laboratory.laws import mapped
 from ..laboratory.subject import Subject
 
 OF_JOINTS = ("position", "velocity", "disturbance")
@@ -39,28 +38,39 @@ class Quantities:
 
     def __call__(self, estimates: Array) -> dict[str, Array]:
         """Quantity → (… × joints or muscles) of estimates (… × quantities)."""
-        flat = estimates.reshape(-1, estimates.shape[-1])
-        scales = self._scales[None]
-        pieces = [mapped(self._function, [flat[i : i + _PIECE], scales]) for i in range(0, len(flat), _PIECE)]
-        told = _signless(np.concatenate(pieces)).reshape(*estimates.shape[:-1], self._size)
+        flat = np.ascontiguousarray(estimates.reshape(-1, estimates.shape[-1]))
+        found = np.empty((len(flat), self._size))
+        for start in range(0, len(flat), _PIECE):
+            self._evaluation(flat[start : start + _PIECE], found[start : start + _PIECE])()
+        told = _signless(found).reshape(*estimates.shape[:-1], self._size)
         return {name: told[..., place] for name, place in self.places.items()}
 
     def of_memory(self, estimates: Array) -> Callable[[], list[float]]:
         """All numbers in SI of the estimates (quantities) that are in this memory whenever it is called."""
-        told = np.empty(self._size)
+        told = np.empty((1, self._size))
+        evaluate = self._evaluation(estimates[None], told)
+
+        def numbers() -> list[float]:
+            evaluate()
+            found: list[float] = _signless(told[0]).tolist()
+            return found
+
+        return numbers
+
+    def _evaluation(self, estimates: Array, told: Array) -> Callable[[], None]:
+        """Write what estimates (n × quantities) are in SI into `told` (n × numbers), both as they lie in memory."""
         buffer: Any
-        buffer, evaluate = self._function.buffer()
+        # the scales are those of all samples
+        buffer, evaluate = self._function.map("quantities", "serial", len(estimates), [1], []).buffer()
         for i, values in enumerate((estimates, self._scales)):
             buffer.set_arg(i, values.data)
         buffer.set_res(0, told.data)
+        # `evaluate` alone would not keep its buffer alive
+        return functools.partial(_evaluated, evaluate, buffer)
 
-        def numbers(kept: ca.FunctionBuffer) -> list[float]:
-            evaluate()
-            found: list[float] = _signless(told).tolist()
-            return found
 
-        # `evaluate` does not keep its buffer alive
-        return functools.partial(numbers, buffer)
+def _evaluated(evaluate: Callable[[], object], buffer: object) -> None:
+    evaluate()
 
 
 @functools.lru_cache(maxsize=8)

@@ -17,7 +17,7 @@ _FEW = 100
 
 
 class Laws:
-    """Of a system with these numbers, by the names that it has for them; all dimensionless."""
+    """Of a system with these numbers, by the names that it has for them, as in `p`; all dimensionless."""
 
     def __init__(self, system: System, numbers: Mapping[str, float]) -> None:
         self.system = system
@@ -38,27 +38,27 @@ class Laws:
 
     def lengths(self, q: Array) -> Array:
         """L_m (… × muscles) at coordinates (… × joints)."""
-        return mapped(self._lengths, [q])
+        return _mapped(self._lengths, [q])
 
     def rates(self, q: Array, dq: Array) -> Array:
         """L̇_m (… × muscles) at coordinates and velocities (… × joints)."""
-        return mapped(self._rates, [q, dq])
+        return _mapped(self._rates, [q, dq])
 
     def moment_arms(self, q: Array) -> Array:
         """R (… × muscles × joints): what each tendon's force does to each joint."""
-        return mapped(self._arms, [q]).reshape(*q.shape[:-1], len(self.system.muscles), len(self.system.joints))
+        return _mapped(self._arms, [q]).reshape(*q.shape[:-1], len(self.system.muscles), len(self.system.joints))
 
     def forces(self, q: Array, Delta: Array) -> Array:
         """Of each joint (… × joints), that make these accelerations."""
-        return mapped(self._forces, [q, Delta])
+        return _mapped(self._forces, [q, Delta])
 
     def places(self, q: Array) -> dict[str, Array]:
         """What can follow a reference (…), by name, at coordinates (… × joints)."""
-        return {name: mapped(function, [q])[..., 0] for name, function in self._places.items()}
+        return {name: _mapped(function, [q])[..., 0] for name, function in self._places.items()}
 
     def accelerations(self, q: Array, dq: Array, F: Array) -> Array:
         """What tendon forces (… × muscles) make of the joints (… × joints)."""
-        return mapped(self._accelerations, [q, dq, F])
+        return _mapped(self._accelerations, [q, dq, F])
 
     def acceleration_noise(self, q: Array, F: Array, sigmas: Sequence[float]) -> Array:
         """Variance of each joint's acceleration from noise of the forces, in the mean over samples (n × …).
@@ -73,8 +73,8 @@ class Laws:
         return np.asarray((gains**2 @ np.array(sigmas) ** 2).mean(axis=0))
 
 
-def mapped(function: ca.Function, columns: Sequence[Array]) -> Array:
-    """A function of columns, for the last axis of arrays; a single one counts for all of the first array."""
+def _mapped(function: ca.Function, columns: Sequence[Array]) -> Array:
+    """A function of columns, for the last axis of arrays."""
     shape = columns[0].shape
     flat = [np.ascontiguousarray(values.reshape(-1, values.shape[-1]).T) for values in columns]
     results = np.array(function(*flat), dtype=float).T

@@ -7,6 +7,7 @@ import sys
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from ...model.arrays import is_number
 from ..files.errors import RecordingError, ScenarioError
 from ..files.numbers import number
 from ..files.quote import shown
@@ -57,7 +58,7 @@ class Samples:
 
     def _checked(self, place: int, value: object) -> float:
         # NaN differs from itself
-        if value is None or value != value:
+        if value is None or (is_number(value) and value != value):
             return math.nan
         name, bound = self._names[place], self._bounds[place]
         plain = plain_number(name, value)

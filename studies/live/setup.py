@@ -79,7 +79,8 @@ class Setup:
         """Path → value of gains that are given by path, or are those of estimates. ScenarioError if they are none."""
         if isinstance(gains, xr.Dataset):
             gains = gains_of_estimates(gains, self.block.name)
-        return gains_of_block(self.block, gains_by_hand(table("gains", gains or {}), [self.block.name], self.paths))
+        by_path = table("gains", {} if gains is None else gains)
+        return gains_of_block(self.block, gains_by_hand(by_path, [self.block.name], self.paths))
 
     def missing(self, gains: Mapping[str, float]) -> list[str]:
         """Gains that the rule finds and that are not given."""
