@@ -200,7 +200,9 @@ def test_a_pair_has_no_columns_of_joints(short: Recording) -> None:
         short.remeasured(angle_elbow=short.time)
 
 
-@pytest.mark.parametrize("number", ["optimal_fibre_length", "pennation", pytest.param("F_max", marks=pytest.mark.chaos)])
+@pytest.mark.parametrize(
+    "number", ["optimal_fibre_length", "pennation", pytest.param("F_max", marks=pytest.mark.chaos)]
+)
 def test_a_changed_number_moves_the_estimates_by_its_band(number: str) -> None:
     """By a thousandth: noise of û is in the rate of the tendon's length, and the square of the step is left."""
     recording = read_recording(DATA / "hinge_pair_noisy.csv.gz", known=subject_of(HINGE).columns)
