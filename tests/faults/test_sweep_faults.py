@@ -16,10 +16,6 @@ import pytest
 from forks import COMMAND, PARTS
 from survival import ERRORS, STOPPED, SWEEP, assert_a_signal_ends_both, assert_goes_on, assert_survives, kept, writes
 
-# one process for all of them
-pytestmark = pytest.mark.xdist_group("forks")
-
-
 # kill −9
 
 

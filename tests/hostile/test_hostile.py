@@ -10,9 +10,6 @@ import pytest
 from hostile.case import read_case
 from hostile.warm import Warm
 
-# one process that has everything loaded
-pytestmark = pytest.mark.xdist_group("hostile")
-
 CORPUS = sorted((Path(__file__).parent / "corpus").glob("*.json"))
 # it compiles a library of its own
 LONG = "sweep-of-an-unstable-gain"

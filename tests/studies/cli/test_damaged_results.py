@@ -16,7 +16,6 @@ DAMAGE = {
 }
 
 
-@pytest.mark.xdist_group("forks")
 @pytest.mark.parametrize("how", DAMAGE)
 def test_figures_of_a_damaged_result_are_refused(how: str, command, forks: Forks, tmp_path: Path) -> None:
     command("simulate", "paper-clean", *SHORT, "--no-figures", "--out", ".")

@@ -60,7 +60,6 @@ STREAMS = [
 ]
 
 
-@pytest.mark.xdist_group("forks")
 @pytest.mark.parametrize(("streams", "code", "words"), STREAMS, ids=["full", "left", "no stdout", "no stderr"])
 def test_a_simulation_that_nobody_hears_is_written(
     streams: dict[str, str], code: int, words: str, forks: Forks, tmp_path: Path

@@ -40,7 +40,7 @@ FASTEST = 0.032  # rad/s
 
 @pytest.mark.parametrize(
     "name",
-    [*CASES, *(pytest.param(name, marks=[pytest.mark.chaos, pytest.mark.xdist_group("arm")]) for name in ARMS)],
+    [*CASES, *(pytest.param(name, marks=pytest.mark.chaos) for name in ARMS)],
 )
 def test_one_rule_for_all_is_as_good_as_promised(name: str) -> None:
     folder = RECORDINGS if (RECORDINGS / name).exists() else DATA

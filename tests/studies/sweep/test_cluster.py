@@ -35,8 +35,6 @@ from hillobs.studies.sweep.run import sweep
 
 SHORT = {"duration": 0.2, "score.start": 0.05}
 OVER = {"high_gain.eps_h": Range(0.02, 0.5, 5, logarithmic=True)}
-# in one process of the tests: they share a cluster and a result
-ON_TWO = pytest.mark.xdist_group("cluster")
 
 
 def started(workers: int, processes: bool = True) -> LocalCluster:
@@ -79,7 +77,6 @@ def here() -> xr.Dataset:
     return swept(target=PORTABLE)
 
 
-@ON_TWO
 def test_a_cluster_computes_the_same_bits(two: LocalCluster, here: xr.Dataset) -> None:
     there = swept(cluster=two.scheduler_address)
     assert there.attrs["target"] == PORTABLE
@@ -87,7 +84,6 @@ def test_a_cluster_computes_the_same_bits(two: LocalCluster, here: xr.Dataset) -
     np.testing.assert_allclose(swept().rmse, there.rmse, rtol=1e-10)
 
 
-@ON_TWO
 def test_the_parts_of_a_killed_worker_are_done_again(two: LocalCluster, here: xr.Dataset, tmp_path: Path) -> None:
     killed: list[int] = []
 
@@ -101,7 +97,6 @@ def test_the_parts_of_a_killed_worker_are_done_again(two: LocalCluster, here: xr
     xr.testing.assert_equal(here, there)
 
 
-@ON_TWO
 def test_a_part_that_kills_workers_is_named_and_the_others_kept(
     two: LocalCluster, here: xr.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -124,7 +119,6 @@ def test_a_part_that_kills_workers_is_named_and_the_others_kept(
     xr.testing.assert_equal(here, swept(target=PORTABLE, out=out))
 
 
-@ON_TWO
 def test_workers_that_die_after_they_have_finished_cost_no_part(
     two: LocalCluster, here: xr.Dataset, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -148,7 +142,6 @@ def test_workers_that_die_after_they_have_finished_cost_no_part(
     assert dead
 
 
-@ON_TWO
 def test_without_its_scheduler_a_sweep_ends_and_goes_on(here: xr.Dataset, tmp_path: Path) -> None:
     out = tmp_path / "x.nc"
     with started(1, processes=False) as cluster:
