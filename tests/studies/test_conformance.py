@@ -18,9 +18,9 @@ def test_ours_conform(name: str) -> None:
     assert conformance(OBSERVERS[name].block()) == []
 
 
-def test_a_users_own_conforms(proportional: Block) -> None:
-    """Beside one of ours; that of the README is beside them all."""
-    with few_observers("high_gain"):
+@pytest.mark.parametrize("beside", [("high_gain",), pytest.param(tuple(OBSERVERS), marks=pytest.mark.chaos)], ids=len)
+def test_a_users_own_conforms_beside_ours(beside: tuple[str, ...], proportional: Block) -> None:
+    with few_observers(*beside):
         assert conformance(proportional) == []
 
 

@@ -148,6 +148,9 @@ def test_every_parameter_of_every_block_reaches_the_run(drive: str) -> None:
     for i, (path, one) in enumerate(zip(values, sweeps, strict=True)):
         own, other = found[path]
         assert same(own, unchanged), path
+        # the other drives have the same observers
+        if drive != "virtual" and path.startswith(observers()):
+            continue
         changed_run = {**changes, **dict.fromkeys(table.expand(path), values[path])}
         for name, numbers in numbers_of(changed_run).items():
             assert one.numbers(np.arange(2))[name][1].tolist() == list(numbers), (path, name)
