@@ -120,9 +120,9 @@ def test_a_part_that_kills_workers_is_named_and_the_others_kept(
 
 
 def test_workers_that_die_after_they_have_finished_cost_no_part(
-    two: LocalCluster, here: xr.Dataset, monkeypatch: pytest.MonkeyPatch
+    here: xr.Dataset, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Their rows are lost before anyone has fetched them."""
+    """Their rows are lost before anyone has fetched them; in a cluster of its own, in which none has died before."""
     batch, dead = clusters._Crew._batch, []
 
     def die_first(crew: Any) -> list[Any]:
@@ -138,7 +138,8 @@ def test_workers_that_die_after_they_have_finished_cost_no_part(
         return futures
 
     monkeypatch.setattr(clusters._Crew, "_batch", die_first)
-    xr.testing.assert_equal(here, swept(cluster=two.scheduler_address))
+    with started(2) as cluster:
+        xr.testing.assert_equal(here, swept(cluster=cluster.scheduler_address))
     assert dead
 
 
