@@ -17,6 +17,7 @@ from hillobs.studies import conformance
 from hillobs.studies.cli.main import commands
 from hillobs.studies.files.pages import documentation
 from hillobs.studies.scenarios.loops import all_paths
+from hillobs.studies.scenarios.prepare import prepare
 from places import DOCS, FENCED, RECORDINGS, ROOT, anchors
 
 README = ROOT / "README.md"
@@ -125,6 +126,8 @@ def test_the_numbers_that_shown_commands_change_exist() -> None:
     paths = {"seed", "muscle.curves", "muscle1.curves", "muscle2.curves", "plant.drive", "mine.gain"}
     for curves in (NGUYEN2019, THELEN2003):
         paths |= all_paths((), curves).parameters.keys() | all_paths((), curves).groups().keys()
+    of_arm = prepare("arm", "high_gain", {}).paths
+    paths |= of_arm.parameters.keys() | of_arm.groups().keys()
     text = "\n".join(page.read_text(encoding="utf-8") for page in (*PAGES, *OTHERS))
     changed = set(re.findall(r"--(?:set|over|zip|design) +([a-z_]\w*(?:\.\w+)*)=", text))
     assert len(changed) > 5

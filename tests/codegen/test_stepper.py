@@ -7,7 +7,7 @@ import pytest
 from hillobs.codegen.shared_library import compile_functions
 from hillobs.codegen.stepper import functions
 from hillobs.model.block import Block, BlockError, Parameter, Symbols, symbols
-from hillobs.model.closed_loop import closed_loop
+from hillobs.model.loops.closed_loop import closed_loop
 from hillobs.model.plant import DRIVES
 from hillobs.model.sensors import NOISE_CHANNELS, SENSED, sensors
 from hillobs.model.signals.pulses import PULSES

@@ -17,7 +17,8 @@ from hillobs.studies.figures.muscle_curves import curve_figure
 from hillobs.studies.files.errors import ScenarioError
 from hillobs.studies.scenarios.layers import Layer, layer
 from hillobs.studies.scenarios.prepare import prepare
-from hillobs.studies.scenarios.scenario import choices, curves_of
+from hillobs.studies.scenarios.scenario import choices
+from hillobs.studies.scenarios.world import curves_of
 from hillobs.studies.simulate.run import simulate
 from places import contents
 

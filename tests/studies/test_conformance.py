@@ -6,6 +6,7 @@ import pytest
 
 from few_observers import few_observers
 from hillobs.model.block import Block, Parameter, Symbols, symbols
+from hillobs.model.system import PAIR
 from hillobs.observers import OBSERVERS, baseline_estimator
 from hillobs.observers.conditions import FACTS, check
 from hillobs.studies.conformance import conformance
@@ -65,7 +66,7 @@ def violated(name: str, **changes: float) -> list[str]:
     block, about = observer.block(), symbols(FACTS)
     values = {key: changes.get(key, parameter.default) for key, parameter in block.parameters.items()}
     known = facts(**{key: value for key, value in changes.items() if key in FACTS})
-    results = check(observer.conditions(block.p, about), Symbols({**block.p, **about}), {**values, **known})
+    results = check(observer.conditions(PAIR, block.p, about), Symbols({**block.p, **about}), {**values, **known})
     return [str(result) for result in results if not result.holds]
 
 
