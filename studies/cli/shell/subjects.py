@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import click
 
 from ...files.errors import ScenarioError
@@ -12,19 +10,13 @@ from ...laboratory.muscles import read_muscles
 from ...laboratory.subject import Subject, pair_subject, subject_of
 from .options import Decorator
 
+_MUSCLES = click.option("--muscles", metavar="FILE.toml", help="A pair of muscles in SI, see docs/recordings.md.")
+_MECHANISM = click.option("--mechanism", metavar="FILE.toml", help="Or joints and muscles, see docs/mechanisms.md.")
+
 
 def subject_options() -> Decorator:
     """Both options, for `typed_subject`."""
-
-    def decorate(command: Any) -> Any:  # noqa: ANN401 — a function, or what click has made of it
-        command = click.option(
-            "--mechanism", metavar="FILE.toml", help="Or joints and muscles, see docs/mechanisms.md."
-        )(command)
-        return click.option("--muscles", metavar="FILE.toml", help="A pair of muscles in SI, see docs/recordings.md.")(
-            command
-        )
-
-    return decorate
+    return lambda command: _MUSCLES(_MECHANISM(command))
 
 
 def typed_subject(muscles: str | None, mechanism: str | None) -> Subject:
