@@ -19,12 +19,12 @@ from ..files.writing import refuse_overwriting, write_whole
 from ..laboratory.lines import LONGEST_LINE
 from ..laboratory.mapping import read_mapping
 from ..laboratory.subject import Subject
+from ..live.answers import Answer, Answers
 from ..live.follower import LEARNING, Follower
 from ..live.gains import gains_of_estimates, period_of_estimates
 from ..live.lines import Lines
 from ..live.run import follow
 from ..live.state import LARGEST_STATE
-from ..live.table import EstimateTable
 from ..scenarios.layers import Value
 from ..scenarios.observers import observers_named
 from .shell.options import corrected_option, mapping_option, observer_option, seconds_option, set_option
@@ -32,9 +32,6 @@ from .shell.own_observers import loaded
 from .shell.stopping import Stopped
 from .shell.subjects import subject_options, typed_subject
 from .shell.terminal import NUMERICAL, bar, complain, say
-
-# words on lines that are no samples; a stream of nothing else would flood the terminal
-_MOST_WORDS = 20
 
 
 @click.command()
@@ -82,11 +79,15 @@ def live(
                 for observer, content in zip(named.values(), states, strict=True)
             ]
     lines = Lines(subject.columns, mapping, timeless=all(follower.period for follower in followers))
+    answers = Answers(followers, lines, subject)
     with _kept(followers, save_state):
-        failed = _follow(followers, lines, EstimateTable(subject, [f.observer for f in followers], _sure(followers)))
+        _tell(answers.first())
+        for line in _stdin():
+            _tell(answers.answer(line))
+        _tell(answers.last())
     if unlearnt := [follower.observer for follower in followers if follower.learning and save_state is None]:
         raise RecordingError(f"standard input ended while the gains of {unlearnt[0]} were learnt: nothing is estimated")
-    if failed:
+    if answers.failed:
         sys.exit(NUMERICAL)
 
 
@@ -116,63 +117,11 @@ def _begun(
     return followers
 
 
-def _follow(followers: Sequence[Follower], lines: Lines, table: EstimateTable) -> set[str]:
-    """All lines of standard input, and their estimates; the observers that have failed."""
-    words, headed, came, learning = _Words(), False, False, [f for f in followers if f.learning]
-    failed: set[str] = set()
-    if learning:
-        complain(f"learning gains in the first {learning[0].seconds:g} s")
-    for line in _stdin():
-        try:
-            sample = lines.sample(line)
-            if sample is None:
-                continue
-            estimates = [follower.step(*sample.values, time=sample.time) for follower in followers]
-        except RecordingError as error:
-            if not lines.begun:
-                raise RecordingError(f"standard input: {error}") from error
-            words.say(str(error) if "row" in str(error) else f"row {lines.row}: {error}")
-            continue
-        if came and not estimates[0].age:
-            complain(f"row {lines.row}: no sample came for too long to bridge it: the observers begin anew")
-        came = True
-        for follower in [follower for follower in learning if not follower.learning]:
-            learning.remove(follower)
-            known = ", ".join(f"{path}={value!r}" for path, value in follower.gains.items())
-            complain(f"learnt: {known}")
-        if row := table.numbers(estimates[0].time, estimates):
-            if not headed and not lines.is_json:
-                say(table.head())
-            headed = True
-            say(table.as_json(row) if lines.is_json else table.as_csv(row))
-        for follower in followers:
-            if follower.failure and follower.observer not in failed:
-                failed.add(follower.observer)
-                complain(follower.failure)
-    words.end()
-    if not lines.begun:
-        raise RecordingError("standard input ended before there was a sample")
-    return failed
-
-
-class _Words:
-    """Words on lines that are no samples: each of the first, then how many there were."""
-
-    def __init__(self) -> None:
-        self._count = 0
-
-    def say(self, sentence: str) -> None:
-        """One more."""
-        self._count += 1
-        if self._count <= _MOST_WORDS:
-            complain(f"left out: {sentence}")
-        if self._count == _MOST_WORDS:
-            complain("further lines that are left out are counted only")
-
-    def end(self) -> None:
-        """There will be no more."""
-        if self._count > _MOST_WORDS:
-            complain(f"{self._count:,} lines were left out")
+def _tell(answer: Answer) -> None:
+    for word in answer.words:
+        complain(word)
+    if answer.lines:
+        say(*answer.lines)
 
 
 def _stdin() -> Iterator[bytes]:
@@ -185,11 +134,6 @@ def _stdin() -> Iterator[bytes]:
             yield line
     except OSError as error:
         raise RecordingError(f"standard input cannot be read: {cause(error)}") from error
-
-
-def _sure(followers: Sequence[Follower]) -> list[str]:
-    """Those that tell standard deviations."""
-    return [follower.observer for follower in followers if follower.sure]
 
 
 @contextlib.contextmanager
