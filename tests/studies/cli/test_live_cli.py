@@ -3,6 +3,7 @@
 import csv
 import io
 import json
+import math
 import os
 import signal
 import subprocess
@@ -15,7 +16,7 @@ import pytest
 import hillobs
 from hillobs.studies.laboratory.recording import read_recording
 from live_samples import rows, stepped
-from shipped_recording import MUSCLES, SHIPPED, part, write_measured
+from shipped_recording import HINGE, MUSCLES, SHIPPED, part, write_measured
 
 Run = Callable[..., tuple[int, str, str]]
 GAINS = {"high_gain.eps_h": 0.2, "high_gain.eps_L": 0.05}
@@ -120,6 +121,19 @@ def test_gains_and_period_are_those_of_estimates(live: Run, command: Run, tmp_pa
     assert (code, err) == (0, "")
     known = hillobs.load("estimates/estimates.nc")
     assert [float(row["activation_1_hat"]) for row in table(out)] == known.activation_hat[0, :, 0].values.tolist()
+
+
+def test_several_observers_of_a_mechanism_stand_side_by_side(live: Run) -> None:
+    observers = ["--observer", "high_gain", "--observer", "kalman_constant"]
+    begin = ["live", "--mechanism", str(HINGE), *observers, "--learning", "100ms"]
+    angles = "".join(f"{i * 0.005},{40 + i / 10},100,{100 + i}\n" for i in range(40))
+    code, out, err = live(f"time,angle_elbow [deg],force_TRIlat,force_BRA\n{angles}", *begin)
+    first, *_, last = table(out)
+    assert code == 0
+    assert len(err.splitlines()) == 3
+    assert float(first["time [s]"]) == 0.1
+    assert math.isclose(float(last["high_gain.angle_elbow_hat [rad]"]), math.radians(43.9), rel_tol=0.01)
+    assert last.keys() >= {"kalman_constant.disturbance_elbow_hat [N m]", "kalman_constant.activation_BRA_hat"}
 
 
 @pytest.mark.parametrize(
