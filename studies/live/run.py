@@ -41,13 +41,15 @@ def follow(
     if state is not None:
         if gains is not None or period is not None:
             raise ScenarioError("a state knows its gains and its period; leave them out")
-        return Follower.resumed(state, made)
-    given = made.given(gains)
-    if made.missing(given):
+        follower = Follower.resumed(state, made)
+    else:
+        given = made.given(gains)
+        seconds = _period(period, gains, bool(made.missing(given)))
+        T = made.subject.scales.rate * seconds
+        follower = Follower(made, given, seconds, number("learning", learning), T)
+    if follower.learning:
         made.compile_learning()
-    seconds = _period(period, gains, bool(made.missing(given)))
-    T = made.subject.scales.rate * seconds
-    return Follower(made, given, seconds, number("learning", learning), T)
+    return follower
 
 
 def _period(period: float | None, gains: Mapping[str, Value] | xr.Dataset | None, learning: bool) -> float:
