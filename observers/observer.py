@@ -111,6 +111,7 @@ class Observer:
     rates: Rates | None = None  # its fastest; None: to be found from ∂ẋ/∂x
     limit: float = STABLE  # largest h · rate of an RK4 step
     fitted: bool = False  # a recording is passed as a whole, to find its numbers by likelihood and to smooth
+    apart: Callable[[System], Block] | None = None  # of other systems, what follows from its filters over a recording
 
     def block(self, corrected: bool = False, system: System = PAIR) -> Block:
         """The observer of a system, its layers, if it has any, `corrected` or not.

@@ -114,7 +114,7 @@ def _move(was: Symbols, now: Symbols, p: Symbols) -> Move:
         for before, after in itertools.pairwise(chain):
             A[_INDEX[before], _INDEX[after]] = 1
     F, b = driven(A, ends[0], ends[1], T)
-    return Move([F], b, T)
+    return Move([F], b, T, ca.SX(_N, 1))
 
 
 def _start(now: Symbols, p: Symbols) -> tuple[ca.SX, ca.SX]:

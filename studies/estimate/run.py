@@ -23,7 +23,7 @@ from ..files.progress import Progress, shares, unseen
 from ..files.quote import shown, table
 from ..kalman.orders import SECOND_PASS
 from ..kalman.record import Record
-from ..kalman.run import AUTO, FORMS, compile_passes
+from ..kalman.run import AUTO, FORMS
 from ..laboratory.gaps import bridged, refuse_impossible, refuse_long_steps
 from ..laboratory.mechanisms.mechanism import Mechanism
 from ..laboratory.muscles import MusclePair
@@ -39,7 +39,7 @@ from .bands.muscle import compile_sensitivities
 from .case import Case, Result, Settings
 from .conditions import gain_conditions
 from .dataset import estimate_dataset
-from .fitted import fitted_result, record_of
+from .fitted import compile_passes, fitted_result, pair_record
 from .follow import (
     compiled_bank,
     fitted_blocks,
@@ -122,8 +122,8 @@ def compile_observers(subject: Subject, observers: Observers = None, corrected: 
     chosen = observers_named(observers)
     compiled_bank(_bank(subject, corrected, chosen))
     compile_sensitivities(subject)
-    if subject.pair and any(observer.fitted for observer in chosen.values()):
-        compile_passes(subject.pair.curves)
+    if any(observer.fitted for observer in chosen.values()):
+        compile_passes(subject.system)
 
 
 def recorded(
@@ -138,7 +138,7 @@ def recorded(
     bank, (block,) = _bank(subject, True, chosen), _whole(subject, True, chosen)
     paths = _paths(bank, [block])
     case = _case(read, subject, compiled_bank(bank), paths, Settings(True, changes, 1), {})
-    return case, record_of(case, _numbers(case, paths, block))
+    return case, pair_record(case, _numbers(case, paths, block))
 
 
 def _bank(subject: Subject, corrected: bool, chosen: Mapping[str, Observer]) -> Bank:

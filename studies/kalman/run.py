@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...model.arrays import Array
-from ...model.curves import Curves
+from ...model.system import pair_system
 from ...observers.kalman.activations import ACTIVATIONS_MODEL
 from ...observers.kalman.inputs import INPUTS_MODEL
 from ...observers.kalman.parameters import resolved, slowest
@@ -125,13 +125,6 @@ def innovations(record: Record, numbers: Mapping[str, float]) -> Array:
     return ratios
 
 
-def compile_passes(curves: Curves) -> None:
-    """Compile what `passed` needs, or load it from the cache."""
-    compiled_muscles(curves)
-    for model in (INPUTS_MODEL, ACTIVATIONS_MODEL):
-        compiled(model)
-
-
 def over(passes: CompiledPasses, numbers: Mapping[str, float], rows: Array, how: How, ahead: int) -> Iterator[Array]:
     """What is told of the samples, piece by piece; a smoother looks `ahead` so many samples beyond a piece."""
     beyond = ahead if how.lag is None else how.lag
@@ -148,6 +141,11 @@ def over(passes: CompiledPasses, numbers: Mapping[str, float], rows: Array, how:
             motions = np.concatenate([motions, moved])
         seen = rows[start : start + len(motions)]
         yield passes.smoothed(numbers, seen, motions, filtered, how.lag or 0).told[:length].copy()
+
+
+def ahead(w: float, T: float) -> int:
+    """Samples, T apart, after which a smoother whose slowest chain has the frequency w has nothing more to learn."""
+    return min(math.ceil(_AHEAD / (w * T)), _PIECE)
 
 
 def _filtered(
@@ -174,8 +172,7 @@ def _form(how: How, inputs: Choice, activations: Choice) -> str:
 
 def _ahead(record: Record, inputs: Choice) -> int:
     """Samples after which a smoother has nothing more to learn."""
-    w = slowest(inputs.fit.numbers, resolved(record.sizes, record.T).sigma_L, record.T)
-    return min(math.ceil(_AHEAD / (w * record.T)), _PIECE)
+    return ahead(slowest(inputs.fit.numbers, resolved(record.sizes, record.T).sigma_L, record.T), record.T)
 
 
 def _whole(record: Record, inputs: Choice, rows: Array, how: How) -> Array:
@@ -188,7 +185,7 @@ def _linear(record: Record, rows: Array, inputs: Choice, how: How) -> Array:
     """The rows of the second pass, linear about the first: smoothed if `how` is, and causal if that is late only."""
     about = _whole(record, inputs, rows, how if how.lag is None else How())
     estimates = dict(zip(ESTIMATES, about.T, strict=True))
-    law = compiled_muscles(record.curves).outputs(LAW, record.numbers, estimates)
+    law = compiled_muscles(pair_system(record.curves)).outputs(LAW, record.numbers, estimates)
     known = dict(zip(row_names(INPUTS_MODEL), rows.T, strict=True))
     return table(ACTIVATIONS_MODEL, {**known, **estimates, **law})
 
@@ -206,7 +203,7 @@ def _collected(
 
 
 def _of_inputs(record: Record) -> Outputs:
-    muscles = compiled_muscles(record.curves)
+    muscles = compiled_muscles(pair_system(record.curves))
 
     def outputs(told: Array) -> dict[str, Array]:
         named = dict(zip(compiled(INPUTS_MODEL).told, told.T, strict=True))

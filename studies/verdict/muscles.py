@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ...model.system import pair_system
 from ...observers.ports import ESTIMATES
 from ..estimate.case import Case
 from ..estimate.run import recorded
@@ -111,7 +112,9 @@ def bias(case: Case, record: Record, inputs: Choice) -> Iterator[Finding]:
         shift = force / case.scales.force / record.slopes
         biased = {**estimates, "x3_hat": told[:, 2] + shift[:, 0], "x4_hat": told[:, 3] + shift[:, 1]}
         # activations before they are limited: at a limit they would not change
-        before, after = (compiled_muscles(record.curves).outputs(LAW, record.numbers, at) for at in (estimates, biased))
+        before, after = (
+            compiled_muscles(pair_system(record.curves)).outputs(LAW, record.numbers, at) for at in (estimates, biased)
+        )
         changes = [float(np.median(np.abs(after[name] - before[name]))) for name in ("a1_hat", "a2_hat")]
     if np.isfinite(changes).all():
         sentence = (

@@ -8,10 +8,10 @@ from typing import Any
 
 def decisions(fit: Mapping[str, Any], settings: Mapping[str, Any]) -> Iterator[str]:
     """Orders, densities and form of a Kalman filter, and what its estimates know."""
-    inputs = fit["u"]
-    yield f"densities and orders by maximum likelihood: {orders(inputs, 'u')}"
+    found = orders(fit["u"], "u") if "u" in fit else of_chains(fit["chains"])
+    yield f"densities and orders by maximum likelihood: {found}"
     if "a" in fit:
-        gain = fit["a"]["log_likelihood"] - inputs["log_likelihood"]
+        gain = fit["a"]["log_likelihood"] - fit["u"]["log_likelihood"]
         taken = "taken" if fit["form"] == "a" else "not taken"
         yield f"activations as states, {taken}: {orders(fit['a'], 'a')}; log L {gain:+,.0f}"
     if settings["smooth"]:
@@ -29,10 +29,20 @@ def _time(seconds: float) -> str:
 def orders(choice: Mapping[str, Any], second: str) -> str:
     """The orders of Δ and of the `second` input, how likely others are, and why a likelier one is not taken."""
     D, other = choice["orders"]
+    return f"Δ {D}, {second} {other}{_others(choice)}"
+
+
+def of_chains(choices: Mapping[str, Mapping[str, Any]]) -> str:
+    """The same of each joint and muscle by its name."""
+    return ", ".join(f"{of} {choice['orders'][0]}{_others(choice)}" for of, choice in choices.items())
+
+
+def _others(choice: Mapping[str, Any]) -> str:
+    taken = ",".join(map(str, choice["orders"]))
     others = [
         f"{tried} {(gain := value - choice['log_likelihood']):+,.0f}"
         + (f", not the {choice['needed'][tried]:,.0f} it must gain" if gain > 0 else "")
         for tried, value in choice["tried"].items()
-        if tried != f"{D},{other}"
+        if tried != taken
     ]
-    return f"Δ {D}, {second} {other}" + (f" (log L of {'; '.join(others)})" if others else "")
+    return f" (log L of {'; '.join(others)})" if others else ""

@@ -1,0 +1,84 @@
+"""What the filters of joints and muscles tell together: all estimates of a system, and how sure they are.
+
+A muscle's chain follows L_S − L_m. What L_m is off by, the chain is off by as well, and û by the rate of that: L̂_S is
+what the force tells, and the fibre has the rest.
+"""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import replace
+
+import casadi as ca
+
+from ....model.block import Block, Parameters, Symbols, symbols
+from ....model.limits import limits
+from ....model.skeleton.paths import moment_arms
+from ....model.symbols import hat
+from ....model.system import System
+from ....model.wiring import rename, wire
+from ...behind.activation import activation_estimate
+from ...behind.spread import covariances, entry, spread, spreads
+from ...slopes import tendon_slopes
+from ..model import Model
+from .integrators import JOINT, JOINT_MODEL, MUSCLE, MUSCLE_MODEL, START
+
+
+def told(model: Model) -> tuple[str, ...]:
+    """The names of what a chain tells."""
+    n = len(model.quantities)
+    return tuple(model.told(ca.SX(n, 1), ca.SX(n, n), symbols(model.inputs)))
+
+
+def estimates_apart(system: System) -> Block:
+    """Inputs: what each chain tells, as `elbow.x1`, `BRA.u1` and so on; outputs: all estimates and their deviations.
+
+    Its numbers are those of the chains too, `elbow.s_D`, `BRA.s_u1`, and with what all of them begin.
+    """
+    parts = [_together(system), activation_estimate(system), spread(system)]
+    first, *behind = parts
+    connections = {f"{first.name}.{port}": port for port in first.u}
+    connections |= {f"{part.name}.{port}": f"{first.name}.{port}" for part in behind for port in part.u}
+    wired = wire("kalman", parts, connections, dict.fromkeys(first.u, "staged"))
+    names = {key: key.partition(".")[2] for key in (*wired.y, *wired.p, *wired.guards)}
+    outputs = [*system.estimates, *map(hat, system.muscle("a")), *spreads(system)]
+    whole = rename(wired, "kalman", names, outputs)
+    parameters = {**numbers(system), **tendon_slopes(system).parameters, **whole.parameters}
+    p = Symbols({name: whole.p.get(name, ca.SX.sym(name)) for name in parameters})
+    return replace(whole, parameters=parameters, p=p, limits=limits(system, whole.y, p))
+
+
+def numbers(system: System) -> Parameters:
+    """Those of each chain, and START of all."""
+    chains = {**dict.fromkeys(system.joints, JOINT), **dict.fromkeys(system.muscles, MUSCLE)}
+    own = {f"{of}.{name}": parameter for of, chain in chains.items() for name, parameter in chain.items()}
+    return {**{path: parameter for path, parameter in own.items() if path.rpartition(".")[2] not in START}, **START}
+
+
+def _together(system: System) -> Block:
+    """Outputs: the system's estimates and their `covariances`."""
+    models = {**dict.fromkeys(system.joints, JOINT_MODEL), **dict.fromkeys(system.muscles, MUSCLE_MODEL)}
+    u = symbols(f"{of}.{name}" for of, model in models.items() for name in told(model))
+    p = symbols(system.length_parameters)
+    q = [u[f"{of}.x1"] for of in system.joints]
+    L_m = ca.vertcat(*system.lengths(q, p))
+    R = moment_arms(L_m, ca.vertcat(*q))
+    y, sure = Symbols(), Symbols()
+    for of in system.joints:
+        for signal, name in (("q", "x1"), ("dq", "x2"), ("Delta", "Delta")):
+            quantity = system.name(signal, of)
+            y[hat(quantity)], sure[entry(quantity, quantity)] = u[f"{of}.{name}"], u[f"{of}.{entry(name, name)}"]
+    for m, of in enumerate(system.muscles):
+        L_S, u_m = (system.name(signal, of) for signal in ("L_S", "u"))
+        # L̂_S = (L_S − L_m) + L_m(q̂)
+        y[hat(L_S)], y[hat(u_m)] = u[f"{of}.rest"] + L_m[m], u[f"{of}.u1"]
+        for (a, one), (b, other) in itertools.combinations_with_replacement(((L_S, "rest"), (u_m, "u1")), 2):
+            sure[entry(a, b)] = u[f"{of}.{entry(one, other)}"]
+        for j, joint in enumerate(system.joints):
+            # û is off by Rᵀ(q̇̂ − q̇) too
+            sure[entry(u_m, u_m)] += R[j, m] ** 2 * u[f"{joint}.{entry('x2', 'x2')}"]
+            sure[entry(system.name("q", joint), u_m)] = R[j, m] * u[f"{joint}.{entry('x1', 'x2')}"]
+    # all others have nothing in common
+    known = {name: sure.get(name, ca.SX(0)) for name in covariances(system)}
+    y = Symbols({**y.only(system.estimates), **known})
+    return Block("together", u=u, p=p, parameters=system.length_parameters, y=y)

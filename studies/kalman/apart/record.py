@@ -1,0 +1,114 @@
+"""A recording of a mechanism as the filters of its joints and muscles take it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....model.arrays import Array
+from ....observers.kalman.apart.integrators import JOINT_MODEL, MUSCLE_MODEL
+from ....observers.kalman.parameters import noise
+from ....observers.observer import SystemSizes
+from ...laboratory.laws import Laws
+from ..passes import table
+
+# of noise that nothing makes last
+_ANY_POLE = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """What is known of the joints at each sample: coordinates, velocities, variances of the first (n × joints)."""
+
+    q: Array
+    dq: Array
+    variance: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Forces:
+    """Tendon forces (n × muscles) and, if their noise lasts, the frequency of the low pass in each joint (joints)."""
+
+    F: Array
+    poles: Array | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class RecordApart:
+    """Times τ (n), measurements y (n × positions and forces), tendon lengths z and slopes (n × muscles), gaps.
+
+    seen: where something was measured; numbers: values of the filter's parameters by name; T: sampling period; sizes:
+    what the first pass found.
+    """
+
+    tau: Array
+    y: Array
+    z: Array
+    slopes: Array
+    seen: NDArray[np.bool_]
+    numbers: Mapping[str, float]
+    sizes: SystemSizes
+    T: float
+    laws: Laws
+
+    def __len__(self) -> int:
+        return len(self.tau)
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Their names."""
+        return self.laws.system.joints
+
+    @property
+    def muscles(self) -> tuple[str, ...]:
+        """Their names."""
+        return self.laws.system.muscles
+
+    @property
+    def measured(self) -> Motion:
+        """What positions tell alone, at rest."""
+        q = self.y[:, : len(self.joints)]
+        sigmas = np.array([noise(self.sizes.near(of), self.T)["sigma_1"] for of in self.joints])
+        return Motion(q, np.zeros_like(q), np.broadcast_to(sigmas**2, q.shape))
+
+    @property
+    def forces(self) -> Forces:
+        """As they were measured."""
+        return Forces(self.y[:, len(self.joints) :])
+
+    @property
+    def sigma_F(self) -> Array:
+        """Noise of each force."""
+        return np.array([noise(self.sizes.near(of), self.T)["sigma_F1"] for of in self.muscles])
+
+    def of_joints(self, at: Motion, forces: Forces) -> dict[str, Array]:
+        """The table of each joint, with accelerations about a motion."""
+        acc = self.laws.accelerations(at.q, at.dq, forces.F)
+        density = self.T * self.laws.acceleration_variances(at.q, forces.F, self.sigma_F)
+        none = np.zeros(len(self))
+        seen = self.seen.astype(float)
+        tables = {}
+        for j, of in enumerate(self.joints):
+            white, lasting = (density[:, j], none) if forces.poles is None else (none, density[:, j])
+            pole = _ANY_POLE if forces.poles is None else float(forces.poles[j])
+            columns = {"t": self.tau, "y": self.y[:, j], "acc": acc[:, j], "white": white, "lasting": lasting}
+            columns |= {"pole": none + pole, "seen": seen, "counted": seen}
+            tables[of] = table(JOINT_MODEL, columns)
+        return tables
+
+    def of_muscles(self, at: Motion) -> dict[str, Array]:
+        """The table of each muscle, whose length is that at a motion."""
+        rest = self.z - self.laws.lengths(at.q)
+        moved = (self.laws.moment_arms(at.q) ** 2 @ at.variance[:, :, None])[:, :, 0]
+        forces = self.forces.F
+        tables = {}
+        for m, of in enumerate(self.muscles):
+            # a slack tendon tells no length: its noise is not that of the force
+            counted = self.seen & (forces[:, m] > 0)
+            columns = {"t": self.tau, "rest": rest[:, m], "slope": self.slopes[:, m], "moved": moved[:, m]}
+            columns |= {"seen": self.seen.astype(float), "counted": counted.astype(float)}
+            tables[of] = table(MUSCLE_MODEL, columns)
+        return tables
