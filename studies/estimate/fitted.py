@@ -13,12 +13,13 @@ from ...model.arrays import Array
 from ...model.block import STEP, Block
 from ...model.system import System
 from ...observers.kalman.activations import ACTIVATIONS_MODEL
+from ...observers.kalman.apart.activations import LAW_MODEL
 from ...observers.kalman.apart.integrators import JOINT_MODEL, MUSCLE_MODEL
 from ...observers.kalman.inputs import INPUTS_MODEL
 from ..files.errors import RecordingError
 from ..files.progress import Progress
 from ..kalman.apart.record import RecordApart
-from ..kalman.apart.run import passed_apart
+from ..kalman.apart.run import ChoiceApart, passed_apart
 from ..kalman.muscles import compiled_muscles
 from ..kalman.orders import Choice, found_numbers, manifest
 from ..kalman.passes import compiled
@@ -69,7 +70,7 @@ def record_apart(case: Case, numbers: Mapping[str, float]) -> RecordApart:
 def compile_passes(system: System) -> None:
     """Compile what the filter needs, or load it from the cache."""
     compiled_muscles(system)
-    for model in (INPUTS_MODEL, ACTIVATIONS_MODEL) if system.paper else (JOINT_MODEL, MUSCLE_MODEL):
+    for model in (INPUTS_MODEL, ACTIVATIONS_MODEL) if system.paper else (JOINT_MODEL, MUSCLE_MODEL, LAW_MODEL):
         compiled(model)
 
 
@@ -81,9 +82,7 @@ def _of_pair(
     case: Case, numbers: Mapping[str, float], how: How, by_hand: Mapping[str, float], progress: Progress
 ) -> Found:
     found = passed(pair_record(case, numbers), how, by_hand, case.settings.keep_every, progress)
-    choices = {"u": found.inputs, **({"a": found.activations} if found.activations else {})}
-    told = {"form": found.form, **{form: manifest(choice) for form, choice in choices.items()}}
-    return found.outputs, found_numbers(_chosen(found)), told
+    return found.outputs, found_numbers(_chosen(found)), _told(found)
 
 
 def _of_mechanism(
@@ -91,10 +90,17 @@ def _of_mechanism(
 ) -> Found:
     found = passed_apart(record_apart(case, numbers), how, by_hand, case.settings.keep_every, progress)
     gains = {
-        f"{of}.{name}": value for of, choice in found.choices.items() for name, value in found_numbers(choice).items()
+        f"{of}.{name}": value
+        for of, choice in found.choices.items()
+        for name, value in found_numbers(choice.counting).items()
     }
-    told = {"form": INPUTS, "chains": {of: manifest(choice) for of, choice in found.choices.items()}}
-    return found.outputs, gains, told
+    return found.outputs, gains, {"chains": {of: _told(choice) for of, choice in found.choices.items()}}
+
+
+def _told(choice: Passed | ChoiceApart) -> dict[str, Any]:
+    """Form and numbers of both passes in words of JSON."""
+    choices = {INPUTS: choice.inputs, **({ACTIVATIONS: choice.activations} if choice.activations else {})}
+    return {"form": choice.form, **{form: manifest(of_form) for form, of_form in choices.items()}}
 
 
 def _how(case: Case) -> How:

@@ -16,6 +16,7 @@ from ...codegen.bank import Bank
 from ...codegen.recordings.filters import CompiledBank
 from ...model.arrays import Array
 from ...model.block import Block
+from ...model.system import System
 from ...observers import OBSERVERS, Observer
 from ..files.errors import RecordingError, ScenarioError
 from ..files.numbers import number, switch, whole
@@ -96,7 +97,7 @@ def estimate(
     chosen = observers_named(observers)
     subject = subject_of(muscles)
     bank, whole = _bank(subject, switch("corrected", corrected), chosen), _whole(subject, corrected, chosen)
-    paths = _paths(bank, whole)
+    paths = _paths(subject.system, bank, whole)
     settings = _settings(corrected, changes or {}, keep_every, paths, chosen)
     settings = replace(settings, **_smoothing(chosen, form, smooth, lag))
     known = doubts(subject, {} if doubt is None else doubt, switch("usual_doubt", usual_doubt))
@@ -136,7 +137,7 @@ def recorded(
     chosen = observers_named(KALMAN)
     subject = pair_subject(pair)
     bank, (block,) = _bank(subject, True, chosen), _whole(subject, True, chosen)
-    paths = _paths(bank, [block])
+    paths = _paths(subject.system, bank, [block])
     case = _case(read, subject, compiled_bank(bank), paths, Settings(True, changes, 1), {})
     return case, pair_record(case, _numbers(case, paths, block))
 
@@ -164,11 +165,11 @@ def _compiled(subject: Subject, chosen: Mapping[str, Observer]) -> tuple[Observe
     return tuple(observer for observer in banked if observer.chains or observer in chosen.values())
 
 
-def _paths(bank: Bank, whole: Iterable[Block]) -> Paths:
-    """All numbers of the observers, with those of a second pass, which no Block has."""
+def _paths(system: System, bank: Bank, whole: Iterable[Block]) -> Paths:
+    """All numbers of the observers, with those of the pair's second pass, which no Block has."""
     paths = paths_of([*bank.observers, *whole])
     second = {f"{block.name}.{name}": parameter for block in whole for name, parameter in SECOND_PASS.items()}
-    return replace(paths, parameters={**second, **paths.parameters})
+    return replace(paths, parameters={**second, **paths.parameters}) if system.paper else paths
 
 
 def _smoothing(chosen: Mapping[str, Observer], form: str, smooth: bool, lag: float) -> dict[str, Any]:

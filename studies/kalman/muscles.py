@@ -15,6 +15,7 @@ from ...model.system import System
 from ...observers.behind.activation import activation_estimate
 from ...observers.behind.spread import spread
 from ...observers.kalman.activations import linear_law
+from ...observers.kalman.apart.activations import linear_law as law_apart
 from ...observers.kalman.apart.estimates import estimates_apart
 from ...observers.slopes import tendon_lines
 
@@ -22,11 +23,11 @@ ACTIVATION, SPREAD, LAW, TENDONS, APART = "activation", "spread", "linear_law", 
 
 
 class CompiledMuscles:
-    """The Blocks behind estimates as functions of many samples: the first four of the pair, the last two of others."""
+    """The Blocks behind estimates as functions of many samples: of the pair those but the last, else the last three."""
 
     def __init__(self, system: System) -> None:
         of_pair = (activation_estimate, spread, linear_law, tendon_lines)
-        blocks = [of(system) for of in (of_pair if system.paper else (tendon_lines, estimates_apart))]
+        blocks = [of(system) for of in (of_pair if system.paper else (law_apart, tendon_lines, estimates_apart))]
         self._blocks = {block.name: block for block in blocks}
         self._library = compile_functions([_function(block) for block in self._blocks.values()])
 

@@ -16,7 +16,7 @@ from ...observers.kalman.inputs import INPUTS_MODEL
 from ...observers.kalman.parameters import densities, least_densities, noise, resolved
 from ..files.progress import Progress, shares, unseen
 from .fit import Fit, fitted
-from .passes import compiled
+from .passes import CompiledPasses, compiled
 from .record import Record
 
 # another order must be likelier by more than chance makes it; in the first pass a lower one by this much of each
@@ -85,7 +85,7 @@ def chosen_activations(
     passes, parameters = compiled(ACTIVATIONS_MODEL), ACTIVATIONS_MODEL.parameters
     # Δ_Φ is the same in both passes, and so is its order
     order_D, s_D = first.orders[0], first.fit.numbers["s_D"]
-    least = {name: _LEAST * parameters[name].default for name in OF_ACTIVATIONS}
+    least = least_of_law(parameters, OF_ACTIVATIONS)
     least["s_D"] = least_densities(resolved(record.sizes, record.T), record.T, order_D, _USUAL)["s_D"]
     free = _free(OF_ACTIVATIONS, least, by_hand)
 
@@ -98,11 +98,22 @@ def chosen_activations(
     orders = tried(by_hand, "order_a")
     ordering, last = shares(progress, [len(orders), 1])
     choice = _likeliest(fitting, [order_D], orders, _GAIN, ordering)
-    # towards 0 the fixed point creeps, and log L hardly tells: it is asked for what the law leaves, or nothing
-    others = {name: smallest for name, smallest in free.items() if name not in OF_LAW}
-    exact = {**choice.fit.numbers, **{name: free[name] for name in OF_LAW if name in free}}
-    without = fitted(passes, tables, exact, others)
+    choice = exact_if_likelier(passes, tables, choice, free, OF_LAW)
     last(1.0)
+    return choice
+
+
+def exact_if_likelier(
+    passes: CompiledPasses, tables: Sequence[Array], choice: Choice, free: Mapping[str, float], of_law: Sequence[str]
+) -> Choice:
+    """The choice, or the same without the densities `of_law` that stand for what a line through Hill's law leaves.
+
+    free: the least values of what is found.
+    """
+    # towards 0 the fixed point creeps, and log L hardly tells: it is asked for what the law leaves, or nothing
+    others = {name: smallest for name, smallest in free.items() if name not in of_law}
+    exact = {**choice.fit.numbers, **{name: free[name] for name in of_law if name in free}}
+    without = fitted(passes, tables, exact, others)
     better = max((without, choice.fit), key=lambda fit: fit.log_likelihood)
     return replace(choice, fit=replace(better, passes=choice.fit.passes + without.passes))
 
@@ -124,10 +135,20 @@ def manifest(choice: Choice) -> dict[str, Any]:
     }
 
 
-def likeliest_chain(fitting: Callable[[int], Fit], orders: Sequence[int], tables: Sequence[Array]) -> Choice:
-    """The likeliest order of one chain, the usual one first in the list; tables: what it is fitted to."""
+def least_of_law(parameters: Parameters, names: Sequence[str]) -> dict[str, float]:
+    """The least values of densities of the second pass."""
+    return {name: _LEAST * parameters[name].default for name in names}
+
+
+def likeliest_chain(
+    fitting: Callable[[int], Fit], orders: Sequence[int], tables: Sequence[Array] | None = None
+) -> Choice:
+    """The likeliest order of one chain, the usual one first in the list.
+
+    tables: what it is fitted to, if a lower order must gain more than chance makes.
+    """
     fits: dict[Orders, Fit] = {(order,): fitting(order) for order in orders}
-    usual, rougher = next(iter(fits)), _rougher(tables)
+    usual, rougher = next(iter(fits)), _GAIN if tables is None else _rougher(tables)
     return _choice(fits, usual, _best(fits, usual, rougher), rougher)
 
 

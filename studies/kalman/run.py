@@ -89,7 +89,7 @@ def estimated(
 ) -> tuple[str, dict[str, Array]]:
     """The form that counts, and by name every n-th estimate, standard deviation and guard."""
     whole, ahead = record.table(), _ahead(record, inputs)
-    if activations is None or _form(how, inputs, activations) == INPUTS:
+    if activations is None or form_of(how, inputs, activations) == INPUTS:
         told = over(compiled(INPUTS_MODEL), inputs.fit.numbers, whole, how, ahead)
         return INPUTS, _collected(told, _of_inputs(record), keep_every, len(record), progress)
     before, after = shares(progress, [_PASS, _PASS])
@@ -161,12 +161,12 @@ def _filtered(
         yield start, motions, filtered
 
 
-def _form(how: How, inputs: Choice, activations: Choice) -> str:
+def form_of(how: How, inputs: Choice, activations: Choice) -> str:
     """The likelier form, unless one is asked for."""
     if how.form != AUTO:
         return how.form
     # a smoother does without the second pass where the inputs are abrupt: the likelihood looks one sample ahead only
-    abrupt = inputs.orders[1] == 1 and not how.causal
+    abrupt = inputs.orders[-1] == 1 and not how.causal
     return ACTIVATIONS if activations.fit.log_likelihood > inputs.fit.log_likelihood and not abrupt else INPUTS
 
 

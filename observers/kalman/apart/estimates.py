@@ -21,7 +21,11 @@ from ...behind.activation import activation_estimate
 from ...behind.spread import covariances, entry, spread, spreads
 from ...slopes import tendon_slopes
 from ..model import Model
-from .integrators import JOINT, JOINT_MODEL, MUSCLE, MUSCLE_MODEL, START
+from .activations import LAW
+from .integrators import JOINT, JOINT_MODEL, MUSCLE, MUSCLE_MODEL
+
+# how the names of that begin
+_START = "start_"
 
 
 def told(model: Model) -> tuple[str, ...]:
@@ -49,10 +53,17 @@ def estimates_apart(system: System) -> Block:
 
 
 def numbers(system: System) -> Parameters:
-    """Those of each chain, and START of all."""
-    chains = {**dict.fromkeys(system.joints, JOINT), **dict.fromkeys(system.muscles, MUSCLE)}
-    own = {f"{of}.{name}": parameter for of, chain in chains.items() for name, parameter in chain.items()}
-    return {**{path: parameter for path, parameter in own.items() if path.rpartition(".")[2] not in START}, **START}
+    """Those of each chain, and with what all begin."""
+    muscle = {**MUSCLE, **LAW}
+    chains = {**dict.fromkeys(system.joints, JOINT), **dict.fromkeys(system.muscles, muscle)}
+    own = {
+        f"{of}.{name}": parameter
+        for of, chain in chains.items()
+        for name, parameter in chain.items()
+        if not name.startswith(_START)
+    }
+    shared = {name: parameter for name, parameter in {**JOINT, **MUSCLE, **LAW}.items() if name.startswith(_START)}
+    return {**own, **shared}
 
 
 def _together(system: System) -> Block:

@@ -24,21 +24,18 @@ OF_JOINT = ("x1", "x2", "nu", *CHAINS["Delta"])
 # of a muscle: L_S − L_m
 OF_MUSCLE = ("rest", *CHAINS["u1"])
 
-# with what all chains begin
-START: Parameters = {
-    name: OF_THE_PAIR[name] for name in ("start_sigma", "start_x2", "start_D", "start_u", "start_rate")
-}
+# noise, √density and order, then with what it starts
 JOINT: Parameters = {
-    **{name: OF_THE_PAIR[name] for name in ("sigma_1", "s_D", "order_D")},
-    **{name: START[name] for name in ("start_sigma", "start_x2", "start_D", "start_rate")},
+    name: OF_THE_PAIR[name]
+    for name in ("sigma_1", "s_D", "order_D", "start_sigma", "start_x2", "start_D", "start_rate")
 }
 MUSCLE: Parameters = {
-    **{name: OF_THE_PAIR[name] for name in ("sigma_F1", "s_u1", "order_u")},
-    **{name: START[name] for name in ("start_sigma", "start_u", "start_rate")},
+    name: OF_THE_PAIR[name] for name in ("sigma_F1", "s_u1", "order_u", "start_sigma", "start_u", "start_rate")
 }
 
 
-def _index(names: Sequence[str]) -> Mapping[str, int]:
+def index_of(names: Sequence[str]) -> Mapping[str, int]:
+    """The place of each."""
     return {name: i for i, name in enumerate(names)}
 
 
@@ -51,7 +48,7 @@ def _integrated(chains: Sequence[Sequence[str]], index: Mapping[str, int], T: ca
     return F
 
 
-def _told(names: Sequence[str], index: Mapping[str, int], mean: ca.SX, P: ca.SX) -> Symbols:
+def told_of(names: Sequence[str], index: Mapping[str, int], mean: ca.SX, P: ca.SX) -> Symbols:
     """The means of these states, and all their covariances."""
     means = {name: mean[index[name]] for name in names}
     pairs = itertools.combinations_with_replacement(names, 2)
@@ -59,7 +56,7 @@ def _told(names: Sequence[str], index: Mapping[str, int], mean: ca.SX, P: ca.SX)
 
 
 def _joint() -> Model:
-    index = _index(OF_JOINT)
+    index = index_of(OF_JOINT)
     x1, x2, nu = (index[name] for name in OF_JOINT[:3])
 
     def chain(p: Symbols) -> tuple[tuple[str, ...], ca.SX]:
@@ -95,12 +92,12 @@ def _joint() -> Model:
         move,
         lambda p: {"s_D": last_in_use(chain(p), index)},
         measurements,
-        lambda mean, P, now: _told(("x1", "x2", "Delta"), index, mean, P),
+        lambda mean, P, now: told_of(("x1", "x2", "Delta"), index, mean, P),
     )
 
 
 def _muscle() -> Model:
-    index = _index(OF_MUSCLE)
+    index = index_of(OF_MUSCLE)
 
     def chain(p: Symbols) -> tuple[tuple[str, ...], ca.SX]:
         return CHAINS["u1"], p.order_u
@@ -121,7 +118,7 @@ def _muscle() -> Model:
         move,
         lambda p: {"s_u1": last_in_use(chain(p), index)},
         measurements,
-        lambda mean, P, now: _told(("rest", "u1"), index, mean, P),
+        lambda mean, P, now: told_of(("rest", "u1"), index, mean, P),
     )
 
 

@@ -9,11 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....model.arrays import Array
+from ....observers.kalman.apart.activations import LAW_MODEL, LINE
 from ....observers.kalman.apart.integrators import JOINT_MODEL, MUSCLE_MODEL
 from ....observers.kalman.parameters import noise
 from ....observers.observer import SystemSizes
 from ...laboratory.laws import Laws
-from ..passes import table
+from ..passes import row_names, table
 
 # of noise that nothing makes last
 _ANY_POLE = 1.0
@@ -112,3 +113,16 @@ class RecordApart:
             columns |= {"seen": self.seen.astype(float), "counted": counted.astype(float)}
             tables[of] = table(MUSCLE_MODEL, columns)
         return tables
+
+    def of_law(self, muscles: Mapping[str, Array], law: Mapping[str, Array]) -> dict[str, Array]:
+        """The tables of the second pass; law: `BRA.u` and so on, about which Hill's law is linear (n)."""
+        return {
+            of: table(
+                LAW_MODEL,
+                {
+                    **dict(zip(row_names(MUSCLE_MODEL), rows.T, strict=True)),
+                    **{name: law[f"{of}.{name}"] for name in LINE},
+                },
+            )
+            for of, rows in muscles.items()
+        }

@@ -5,15 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+_FOUND, _LAW = "densities and orders by maximum likelihood", "activations as states"
+
 
 def decisions(fit: Mapping[str, Any], settings: Mapping[str, Any]) -> Iterator[str]:
     """Orders, densities and form of a Kalman filter, and what its estimates know."""
-    found = orders(fit["u"], "u") if "u" in fit else of_chains(fit["chains"])
-    yield f"densities and orders by maximum likelihood: {found}"
-    if "a" in fit:
-        gain = fit["a"]["log_likelihood"] - fit["u"]["log_likelihood"]
-        taken = "taken" if fit["form"] == "a" else "not taken"
-        yield f"activations as states, {taken}: {orders(fit['a'], 'a')}; log L {gain:+,.0f}"
+    yield from _of_chains(fit["chains"]) if "chains" in fit else _of_pair(fit)
     if settings["smooth"]:
         yield "smoothed: each estimate knows all samples"
     elif fit["lag"]:
@@ -32,9 +29,36 @@ def orders(choice: Mapping[str, Any], second: str) -> str:
     return f"Δ {D}, {second} {other}{_others(choice)}"
 
 
-def of_chains(choices: Mapping[str, Mapping[str, Any]]) -> str:
+def _of_pair(fit: Mapping[str, Any]) -> Iterator[str]:
+    yield f"{_FOUND}: {orders(fit['u'], 'u')}"
+    if "a" in fit:
+        yield f"{_LAW}, {_taken(fit)}: {orders(fit['a'], 'a')}; log L {_gain(fit):+,.0f}"
+
+
+def _of_chains(fits: Mapping[str, Mapping[str, Any]]) -> Iterator[str]:
     """The same of each joint and muscle by its name."""
-    return ", ".join(f"{of} {choice['orders'][0]}{_others(choice)}" for of, choice in choices.items())
+    inputs = {of: fit["u"] for of, fit in fits.items()}
+    told = (
+        f"{of} {'Δ' if 'order_D' in u['numbers'] else 'u'} {u['orders'][0]}{_others(u)}" for of, u in inputs.items()
+    )
+    yield f"{_FOUND}: {', '.join(told)}"
+    law = {of: fit for of, fit in fits.items() if "a" in fit}
+    for taken in ("taken", "not taken"):
+        told = (
+            f"{of}: a {fit['a']['orders'][0]}{_others(fit['a'])}; log L {_gain(fit):+,.0f}"
+            for of, fit in law.items()
+            if _taken(fit) == taken
+        )
+        if words := ", ".join(told):
+            yield f"{_LAW}, {taken} for {words}"
+
+
+def _taken(fit: Mapping[str, Any]) -> str:
+    return "taken" if fit["form"] == "a" else "not taken"
+
+
+def _gain(fit: Mapping[str, Any]) -> float:
+    return float(fit["a"]["log_likelihood"] - fit["u"]["log_likelihood"])
 
 
 def _others(choice: Mapping[str, Any]) -> str:
