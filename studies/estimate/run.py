@@ -22,6 +22,7 @@ from ..files.errors import RecordingError, ScenarioError
 from ..files.numbers import number, switch, whole
 from ..files.progress import Progress, shares, unseen
 from ..files.quote import shown, table
+from ..kalman.apart.record import RecordApart
 from ..kalman.orders import SECOND_PASS
 from ..kalman.record import Record
 from ..kalman.run import AUTO, FORMS
@@ -40,7 +41,7 @@ from .bands.muscle import compile_sensitivities
 from .case import Case, Result, Settings
 from .conditions import gain_conditions
 from .dataset import estimate_dataset
-from .fitted import compile_passes, fitted_result, pair_record
+from .fitted import compile_passes, fitted_result, pair_record, record_apart
 from .follow import (
     compiled_bank,
     fitted_blocks,
@@ -134,12 +135,24 @@ def recorded(
 
     changes: path → value of its numbers by hand.
     """
+    case, numbers = _recorded(read, pair_subject(pair), changes)
+    return case, pair_record(case, numbers)
+
+
+def recorded_apart(
+    read: Recording, subject: Subject, changes: Mapping[str, float] = MappingProxyType({})
+) -> tuple[Case, RecordApart]:
+    """The same of a mechanism."""
+    case, numbers = _recorded(read, subject, changes)
+    return case, record_apart(case, numbers)
+
+
+def _recorded(read: Recording, subject: Subject, changes: Mapping[str, float]) -> tuple[Case, dict[str, float]]:
     chosen = observers_named(KALMAN)
-    subject = pair_subject(pair)
     bank, (block,) = _bank(subject, True, chosen), _whole(subject, True, chosen)
     paths = _paths(subject.system, bank, [block])
     case = _case(read, subject, compiled_bank(bank), paths, Settings(True, changes, 1), {})
-    return case, pair_record(case, _numbers(case, paths, block))
+    return case, _numbers(case, paths, block)
 
 
 def _bank(subject: Subject, corrected: bool, chosen: Mapping[str, Observer]) -> Bank:

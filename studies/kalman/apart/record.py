@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ....model.arrays import Array
+from ....model.symbols import hat
 from ....observers.kalman.apart.activations import LAW_MODEL, LINE
 from ....observers.kalman.apart.integrators import JOINT_MODEL, MUSCLE_MODEL
 from ....observers.kalman.parameters import noise
 from ....observers.observer import SystemSizes
 from ...laboratory.laws import Laws
+from ..muscles import TENDONS, compiled_muscles
 from ..passes import row_names, table
 
 # of noise that nothing makes last
@@ -84,6 +86,15 @@ class RecordApart:
     def sigma_F(self) -> Array:
         """Noise of each force."""
         return np.array([noise(self.sizes.near(of), self.T)["sigma_F1"] for of in self.muscles])
+
+    def about(self, lengths: Array) -> RecordApart:
+        """The record with tendons that are linear about these lengths (n × muscles), not about measured forces."""
+        system = self.laws.system
+        given = dict(zip(map(hat, system.muscle("L_S")), lengths.T, strict=True))
+        given |= dict(zip(system.muscle("y"), self.forces.F.T, strict=True))
+        lines = compiled_muscles(system).outputs(TENDONS, self.numbers, given)
+        z, slopes = (np.stack([lines[name] for name in system.muscle(s)], axis=1) for s in ("z", "slope"))
+        return replace(self, z=z, slopes=slopes)
 
     def of_joints(self, at: Motion, forces: Forces) -> dict[str, Array]:
         """The table of each joint, with accelerations about a motion."""

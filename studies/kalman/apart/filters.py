@@ -1,0 +1,159 @@
+"""The filters of all joints and muscles of a recording, one after the other: muscles know how the joints move."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from ....model.arrays import Array
+from ....model.symbols import hat
+from ....observers.behind.spread import entry
+from ....observers.kalman.apart.integrators import JOINT_MODEL, MUSCLE_MODEL
+from ...files.progress import Progress
+from ..muscles import LAW, compiled_muscles
+from ..orders import Choice
+from ..record import segments, settled
+from ..run import How
+from .chain import Chain, Told
+from .record import Forces, Motion, RecordApart
+
+# velocities in accelerations, and smoothed forces in these: what changes after so many rounds is far below noise
+_CAUSAL_ROUNDS, _SMOOTHED_ROUNDS = 2, 2
+
+# of each joint and muscle by name
+Numbers = Mapping[str, Mapping[str, float]]
+
+
+class Filters:
+    """Those of a recording. by_hand: numbers such as `elbow.s_D` that are to stay as they are.
+
+    about: the motion whose velocities are in the accelerations.
+    """
+
+    def __init__(self, record: RecordApart, by_hand: Mapping[str, float], about: Motion) -> None:
+        def chain(of: str) -> Chain:
+            model = JOINT_MODEL if of in record.joints else MUSCLE_MODEL
+            given, hand = ({**of_all, **_of(of, of_all)} for of_all in (record.numbers, by_hand))
+            return Chain(model, record.sizes.near(of), record.T, given, hand)
+
+        self.record, self._by_hand, self._about = record, by_hand, about
+        self._chains = {of: chain(of) for of in (*record.joints, *record.muscles)}
+
+    def __len__(self) -> int:
+        return len(self._chains)
+
+    def linear(self) -> Filters:
+        """Those about what they tell with the numbers that the sizes of the recording let expect: so are tendons."""
+        record, at = self.record, self._about
+        numbers = {of: chain.expected() for of, chain in self._chains.items()}
+        # velocities in the accelerations are those of the round before
+        for _ in range(_CAUSAL_ROUNDS):
+            at = motion(self._told(record.of_joints(at, record.forces), numbers, How()))
+        lengths = self.lengths(at, self.muscles(numbers, at, How()))
+        return Filters(record.about(lengths), self._by_hand, at)
+
+    def chosen_joints(self, steps: Iterator[Progress]) -> dict[str, Choice]:
+        """The likeliest numbers of each joint."""
+        return self._chosen(self.record.of_joints(self._about, self.record.forces), steps)
+
+    def chosen_muscles(self, at: Motion, steps: Iterator[Progress]) -> dict[str, Choice]:
+        """The likeliest numbers of each muscle, whose lengths are those at a motion."""
+        return self._chosen(self.record.of_muscles(at), steps)
+
+    def chosen_law(
+        self, inputs: Mapping[str, Choice], rows: Mapping[str, Array], steps: Iterator[Progress]
+    ) -> dict[str, Choice]:
+        """The likeliest numbers of each muscle's second pass, which has these rows."""
+        found = {}
+        for of, whole in rows.items():
+            found[of] = self._chains[of].chosen_law(fitted_to(whole), inputs[of])
+            next(steps)(1.0)
+        return found
+
+    def joints(self, numbers: Numbers, how: How) -> dict[str, Told]:
+        """What the chains of the joints tell."""
+        record, forces = self.record, self.record.forces
+        if how.lag is not None:
+            return self._told(record.of_joints(self._about, forces), numbers, how)
+        at = motion(self._told(record.of_joints(self._about, forces), numbers, How()))
+        joints = self._told(record.of_joints(at, forces), numbers, how)
+        # smoothed forces have the noise of measured ones where it is slow, and none where it is fast
+        for _ in range(_SMOOTHED_ROUNDS):
+            at = motion(joints)
+            joints = self._told(record.of_joints(at, self._smoothed(at, numbers)), numbers, how)
+        return joints
+
+    def muscles(self, numbers: Numbers, at: Motion, how: How) -> dict[str, Told]:
+        """What the chains of the muscles tell."""
+        return self._told(self.record.of_muscles(at), numbers, how)
+
+    def law(self, inputs: Numbers, activations: Numbers, rows: Mapping[str, Array], how: How) -> dict[str, Told]:
+        """What the second pass of some muscles tells."""
+        return {of: self._chains[of].told(rows[of], how, inputs[of], numbers) for of, numbers in activations.items()}
+
+    def lawful(self, numbers: Numbers, at: Motion, how: How) -> dict[str, Array]:
+        """The rows of the second pass, linear about the first: smoothed if `how` is, causal if that is late only."""
+        record, system = self.record, self.record.laws.system
+        muscles = self.muscles(numbers, at, how if how.lag is None else How())
+        estimates = dict.fromkeys(system.estimates, np.zeros(len(record)))
+        estimates |= dict(zip(map(hat, system.joint("q")), at.q.T, strict=True))
+        estimates |= dict(zip(map(hat, system.muscle("L_S")), self.lengths(at, muscles).T, strict=True))
+        estimates |= {hat(system.name("u", of)): told["u1"] for of, told in muscles.items()}
+        law = compiled_muscles(system).outputs(LAW, record.numbers, estimates)
+        law |= {f"{of}.rest_hat": told["rest"] for of, told in muscles.items()}
+        return record.of_law(record.of_muscles(at), law)
+
+    def lengths(self, at: Motion, muscles: Mapping[str, Told]) -> Array:
+        """Of all tendons (n × muscles)."""
+        # L̂_S = (L_S − L_m) + L_m(q̂)
+        return np.stack([told["rest"] for told in muscles.values()], axis=1) + self.record.laws.lengths(at.q)
+
+    def forces(self, at: Motion, muscles: Mapping[str, Told]) -> Array:
+        """Of all tendons (n × muscles), as their lengths tell them."""
+        # F̂ = y + p(L̂_S − z)
+        return self.record.forces.F + self.record.slopes * (self.lengths(at, muscles) - self.record.z)
+
+    def _smoothed(self, at: Motion, numbers: Numbers) -> Forces:
+        record = self.record
+        F = self.forces(at, self.muscles(numbers, at, How(lag=None)))
+        speeds = np.array([self._chains[of].frequency(numbers[of]) for of in record.muscles])
+        # that of the muscles, by their shares in the noise of a joint's acceleration
+        noise = record.laws.acceleration_shares(at.q, F, record.sigma_F)
+        total = noise.sum(axis=1, keepdims=True)
+        shares = np.where(total > 0, noise, 1.0) / np.where(total > 0, total, noise.shape[1])
+        return Forces(F, shares @ speeds)
+
+    def _chosen(self, tables: Mapping[str, Array], steps: Iterator[Progress]) -> dict[str, Choice]:
+        choices = {}
+        for of, rows in tables.items():
+            choices[of] = self._chains[of].chosen(fitted_to(rows))
+            next(steps)(1.0)
+        return choices
+
+    def _told(self, tables: Mapping[str, Array], numbers: Numbers, how: How) -> dict[str, Told]:
+        return {of: self._chains[of].told(rows, how, numbers[of]) for of, rows in tables.items()}
+
+
+def motion(joints: Mapping[str, Told]) -> Motion:
+    """That which the chains of the joints tell."""
+    q, dq, variance = (
+        np.stack([told[name] for told in joints.values()], axis=1) for name in ("x1", "x2", entry("x1", "x1"))
+    )
+    return Motion(q, dq, variance)
+
+
+def numbers_of(choices: Mapping[str, Choice]) -> dict[str, Mapping[str, float]]:
+    """The numbers chosen."""
+    return {of: choice.fit.numbers for of, choice in choices.items()}
+
+
+def fitted_to(rows: Array) -> list[Array]:
+    """The rows of a table that numbers are found by."""
+    return [settled(rows[part]) for part in segments(len(rows))]
+
+
+def _of(of: str, numbers: Mapping[str, float]) -> dict[str, float]:
+    """The numbers of a joint or muscle, without its name."""
+    prefix = f"{of}."
+    return {name.removeprefix(prefix): value for name, value in numbers.items() if name.startswith(prefix)}
