@@ -145,11 +145,11 @@ def estimate(
         if not no_figures:
             paths += write_figures(drawn, folder, _STEM)
     say(*notes(dataset), timing(dataset, reading, building, following), err=as_json)
-    if chosen is None and subject.pair:
+    if chosen is None:
         say(_KALMAN_TOO, err=as_json)
-    if subject.pair and KALMAN in dataset.observer and not no_verdict:
+    if KALMAN in dataset.observer and not no_verdict:
         with _noting_what_is_kept(folder), bar("weighing") as progress:
-            found = judged(read, subject.pair, dataset, progress)
+            found = judged(read, subject, dataset, progress)
         dataset.attrs |= {"quality": found.quality, "verdict": json.dumps(found.as_dict())}
         with bar("writing"):
             save_again(dataset, folder)

@@ -118,8 +118,13 @@ def estimates_of_inputs(record: Record, inputs: Choice) -> Array:
 
 def innovations(record: Record, numbers: Mapping[str, float]) -> Array:
     """The innovations of the first pass over their standard deviations (n × 3); NaN where a sample does not count."""
-    rows = settled(record.table())
-    pieces = _filtered(compiled(INPUTS_MODEL), {**record.numbers, **numbers}, rows)
+    return innovation_ratios(compiled(INPUTS_MODEL), {**record.numbers, **numbers}, record.table())
+
+
+def innovation_ratios(passes: CompiledPasses, numbers: Mapping[str, float], rows: Array) -> Array:
+    """Those of a table (n × measurements)."""
+    rows = settled(rows)
+    pieces = _filtered(passes, numbers, rows)
     ratios: Array = np.concatenate([filtered.nu / np.sqrt(filtered.S) for _, _, filtered in pieces])
     ratios[rows[:, -1] == 0] = np.nan
     return ratios

@@ -16,7 +16,7 @@ from ....observers.observer import Sizes
 from ..fit import Fit, fitted
 from ..orders import Choice, exact_if_likelier, least_of_law, likeliest_chain, tried
 from ..passes import compiled
-from ..run import How, ahead, over
+from ..run import How, ahead, innovation_ratios, over
 
 # of a joint's states and of a muscle's, how many come before the unknown input
 _BEFORE_JOINT, _BEFORE_MUSCLE = 2, 1
@@ -76,10 +76,14 @@ class Chain:
 
         numbers: those of the first pass; law: those of the second, for what that tells of rows of its own.
         """
-        passes = compiled(self.model if law is None else LAW_MODEL)
-        given = numbers if law is None else law
+        model = self.model if law is None else LAW_MODEL
+        passes, given = compiled(model), self._known(model, numbers if law is None else law)
         pieces = list(over(passes, given, rows, how, ahead(self.frequency(numbers), self.T)))
         return dict(zip(passes.told, np.concatenate(pieces).T, strict=True))
+
+    def innovations(self, rows: Array, numbers: Mapping[str, float]) -> Array:
+        """Of the rows of a table, over their standard deviations (n × 1)."""
+        return innovation_ratios(compiled(self.model), self._known(self.model, numbers), rows)
 
     @property
     def _names(self) -> tuple[str, str, str]:

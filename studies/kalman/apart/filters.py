@@ -49,22 +49,27 @@ class Filters:
         numbers = {of: chain.expected() for of, chain in self._chains.items()}
         # velocities in the accelerations are those of the round before
         for _ in range(_CAUSAL_ROUNDS):
-            at = motion(self._told(record.of_joints(at, record.forces), numbers, How()))
+            at = self.motion(self._told(record.of_joints(at, record.forces), numbers, How()))
         lengths = self.lengths(at, self.muscles(numbers, at, How()))
         return Filters(record.about(lengths), self._by_hand, at)
 
-    def chosen_joints(self, steps: Iterator[Progress]) -> dict[str, Choice]:
-        """The likeliest numbers of each joint."""
-        return self._chosen(self.record.of_joints(self._about, self.record.forces), steps)
+    def chosen_joints(
+        self, steps: Iterator[Progress], forces: Forces | None = None, at: Motion | None = None
+    ) -> dict[str, Choice]:
+        """The likeliest numbers of each joint, by forces as they were measured unless others are given.
 
-    def chosen_muscles(self, at: Motion, steps: Iterator[Progress]) -> dict[str, Choice]:
-        """The likeliest numbers of each muscle, whose lengths are those at a motion."""
-        return self._chosen(self.record.of_muscles(at), steps)
+        at: a motion whose velocities are in the accelerations, instead of those that the filters began with.
+        """
+        return self._chosen(self.record.of_joints(at or self._about, forces or self.record.forces), steps)
+
+    def chosen_muscles(self, rows: Mapping[str, Array], steps: Iterator[Progress]) -> dict[str, Choice]:
+        """The likeliest numbers of muscles by the rows that each has."""
+        return self._chosen(rows, steps)
 
     def chosen_law(
         self, inputs: Mapping[str, Choice], rows: Mapping[str, Array], steps: Iterator[Progress]
     ) -> dict[str, Choice]:
-        """The likeliest numbers of each muscle's second pass, which has these rows."""
+        """The likeliest numbers of the second pass of muscles, by the rows that this has."""
         found = {}
         for of, whole in rows.items():
             found[of] = self._chains[of].chosen_law(fitted_to(whole), inputs[of])
@@ -76,17 +81,31 @@ class Filters:
         record, forces = self.record, self.record.forces
         if how.lag is not None:
             return self._told(record.of_joints(self._about, forces), numbers, how)
-        at = motion(self._told(record.of_joints(self._about, forces), numbers, How()))
+        at = self.motion(self._told(record.of_joints(self._about, forces), numbers, How()))
         joints = self._told(record.of_joints(at, forces), numbers, how)
         # smoothed forces have the noise of measured ones where it is slow, and none where it is fast
         for _ in range(_SMOOTHED_ROUNDS):
-            at = motion(joints)
-            joints = self._told(record.of_joints(at, self._smoothed(at, numbers)), numbers, how)
+            at = self.motion(joints)
+            joints = self._told(record.of_joints(at, self.smoothed(at, numbers)), numbers, how)
         return joints
+
+    def motion(self, joints: Mapping[str, Told]) -> Motion:
+        """That which the chains of the joints tell."""
+        q, dq, variance = (
+            np.stack([told[name] for told in joints.values()], axis=1) for name in ("x1", "x2", entry("x1", "x1"))
+        )
+        return Motion(self.record.laws, q, dq, variance)
 
     def muscles(self, numbers: Numbers, at: Motion, how: How) -> dict[str, Told]:
         """What the chains of the muscles tell."""
         return self._told(self.record.of_muscles(at), numbers, how)
+
+    def innovations(self, numbers: Numbers) -> Array:
+        """Of each sensor, over their standard deviations (n × sensors); NaN where a sample does not count."""
+        at = self.motion(self.joints(numbers, How()))
+        tables = {**self.record.of_joints(self._about, self.record.forces), **self.record.of_muscles(at)}
+        ratios = [self._chains[of].innovations(rows, numbers[of]) for of, rows in tables.items()]
+        return np.concatenate(ratios, axis=1)
 
     def law(self, inputs: Numbers, activations: Numbers, rows: Mapping[str, Array], how: How) -> dict[str, Told]:
         """What the second pass of some muscles tells."""
@@ -94,27 +113,32 @@ class Filters:
 
     def lawful(self, numbers: Numbers, at: Motion, how: How) -> dict[str, Array]:
         """The rows of the second pass, linear about the first: smoothed if `how` is, causal if that is late only."""
-        record, system = self.record, self.record.laws.system
         muscles = self.muscles(numbers, at, how if how.lag is None else How())
+        law = self.law_about(muscles, at)
+        law |= {f"{of}.rest_hat": told["rest"] for of, told in muscles.items()}
+        return self.record.of_law(self.record.of_muscles(at), law)
+
+    def law_about(self, muscles: Mapping[str, Told], at: Motion, shift: Array | float = 0.0) -> dict[str, Array]:
+        """Hill's law, linear about what the chains of the muscles tell; shift: of tendon lengths (n × muscles)."""
+        record, system = self.record, self.record.laws.system
         estimates = dict.fromkeys(system.estimates, np.zeros(len(record)))
         estimates |= dict(zip(map(hat, system.joint("q")), at.q.T, strict=True))
-        estimates |= dict(zip(map(hat, system.muscle("L_S")), self.lengths(at, muscles).T, strict=True))
+        estimates |= dict(zip(map(hat, system.muscle("L_S")), (self.lengths(at, muscles) + shift).T, strict=True))
         estimates |= {hat(system.name("u", of)): told["u1"] for of, told in muscles.items()}
-        law = compiled_muscles(system).outputs(LAW, record.numbers, estimates)
-        law |= {f"{of}.rest_hat": told["rest"] for of, told in muscles.items()}
-        return record.of_law(record.of_muscles(at), law)
+        return compiled_muscles(system).outputs(LAW, record.numbers, estimates)
 
     def lengths(self, at: Motion, muscles: Mapping[str, Told]) -> Array:
         """Of all tendons (n × muscles)."""
         # L̂_S = (L_S − L_m) + L_m(q̂)
-        return np.stack([told["rest"] for told in muscles.values()], axis=1) + self.record.laws.lengths(at.q)
+        return np.stack([told["rest"] for told in muscles.values()], axis=1) + at.lengths
 
     def forces(self, at: Motion, muscles: Mapping[str, Told]) -> Array:
         """Of all tendons (n × muscles), as their lengths tell them."""
         # F̂ = y + p(L̂_S − z)
         return self.record.forces.F + self.record.slopes * (self.lengths(at, muscles) - self.record.z)
 
-    def _smoothed(self, at: Motion, numbers: Numbers) -> Forces:
+    def smoothed(self, at: Motion, numbers: Numbers) -> Forces:
+        """The forces of smoothed tendons."""
         record = self.record
         F = self.forces(at, self.muscles(numbers, at, How(lag=None)))
         speeds = np.array([self._chains[of].frequency(numbers[of]) for of in record.muscles])
@@ -133,14 +157,6 @@ class Filters:
 
     def _told(self, tables: Mapping[str, Array], numbers: Numbers, how: How) -> dict[str, Told]:
         return {of: self._chains[of].told(rows, how, numbers[of]) for of, rows in tables.items()}
-
-
-def motion(joints: Mapping[str, Told]) -> Motion:
-    """That which the chains of the joints tell."""
-    q, dq, variance = (
-        np.stack([told[name] for told in joints.values()], axis=1) for name in ("x1", "x2", entry("x1", "x1"))
-    )
-    return Motion(q, dq, variance)
 
 
 def numbers_of(choices: Mapping[str, Choice]) -> dict[str, Mapping[str, float]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
@@ -26,9 +27,22 @@ _ANY_POLE = 1.0
 class Motion:
     """What is known of the joints at each sample: coordinates, velocities, variances of the first (n × joints)."""
 
+    laws: Laws
     q: Array
     dq: Array
     variance: Array
+
+    @functools.cached_property
+    def lengths(self) -> Array:
+        """Of all muscles (n × muscles)."""
+        return self.laws.lengths(self.q)
+
+    @functools.cached_property
+    def moved(self) -> Array:
+        """The variances of these."""
+        # Σ (∂L_m/∂q)² σ_q²
+        R = self.laws.moment_arms(self.q)
+        return np.asarray((R**2 @ self.variance[:, :, None])[:, :, 0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +89,7 @@ class RecordApart:
         """What positions tell alone, at rest."""
         q = self.y[:, : len(self.joints)]
         sigmas = np.array([noise(self.sizes.near(of), self.T)["sigma_1"] for of in self.joints])
-        return Motion(q, np.zeros_like(q), np.broadcast_to(sigmas**2, q.shape))
+        return Motion(self.laws, q, np.zeros_like(q), np.broadcast_to(sigmas**2, q.shape))
 
     @property
     def forces(self) -> Forces:
@@ -113,14 +127,12 @@ class RecordApart:
 
     def of_muscles(self, at: Motion) -> dict[str, Array]:
         """The table of each muscle, whose length is that at a motion."""
-        rest = self.z - self.laws.lengths(at.q)
-        moved = (self.laws.moment_arms(at.q) ** 2 @ at.variance[:, :, None])[:, :, 0]
-        forces = self.forces.F
+        rest, forces = self.z - at.lengths, self.forces.F
         tables = {}
         for m, of in enumerate(self.muscles):
             # a slack tendon tells no length: its noise is not that of the force
             counted = self.seen & (forces[:, m] > 0)
-            columns = {"t": self.tau, "rest": rest[:, m], "slope": self.slopes[:, m], "moved": moved[:, m]}
+            columns = {"t": self.tau, "rest": rest[:, m], "slope": self.slopes[:, m], "moved": at.moved[:, m]}
             columns |= {"seen": self.seen.astype(float), "counted": counted.astype(float)}
             tables[of] = table(MUSCLE_MODEL, columns)
         return tables

@@ -15,7 +15,7 @@ from ..muscles import APART, compiled_muscles
 from ..orders import Choice
 from ..run import ACTIVATIONS, INPUTS, How, form_of
 from .chain import Told
-from .filters import Filters, motion, numbers_of
+from .filters import Filters, numbers_of
 from .record import RecordApart
 
 # shares of the time: numbers of both passes, estimates
@@ -57,7 +57,7 @@ def passed_apart(
     numbers = numbers_of(inputs)
     joints = filters.joints(numbers, how)
     # late estimates of muscles know what joints were known to do at the time
-    at = motion(joints if how.lag is None else filters.joints(numbers, How()))
+    at = filters.motion(joints if how.lag is None else filters.joints(numbers, How()))
     muscles = filters.muscles(numbers, at, how)
     choices = {of: ChoiceApart(choice) for of, choice in inputs.items()}
     if how.form != INPUTS:
@@ -85,8 +85,8 @@ def causal_inputs_apart(filters: Filters, progress: Progress) -> dict[str, Choic
     """The likeliest numbers of the first pass, of each joint and then of each muscle."""
     steps = shares(progress, [1.0] * len(filters))
     joints = filters.chosen_joints(steps)
-    at = motion(filters.joints(numbers_of(joints), How()))
-    return {**joints, **filters.chosen_muscles(at, steps)}
+    at = filters.motion(filters.joints(numbers_of(joints), How()))
+    return {**joints, **filters.chosen_muscles(filters.record.of_muscles(at), steps)}
 
 
 def _estimated(record: RecordApart, of: str, told: Mapping[str, Array]) -> Told:
