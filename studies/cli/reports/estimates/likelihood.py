@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-_FOUND, _LAW = "densities and orders by maximum likelihood", "activations as states"
+_LAW = "activations as states"
 
 
 def decisions(fit: Mapping[str, Any], settings: Mapping[str, Any]) -> Iterator[str]:
     """Orders, densities and form of a Kalman filter, and what its estimates know."""
+    yield f"densities and orders by maximum likelihood: {orders_of_inputs(fit)}"
     yield from _of_chains(fit["chains"]) if "chains" in fit else _of_pair(fit)
     if settings["smooth"]:
         yield "smoothed: each estimate knows all samples"
@@ -29,19 +30,22 @@ def orders(choice: Mapping[str, Any], second: str) -> str:
     return f"Δ {D}, {second} {other}{_others(choice)}"
 
 
+def orders_of_inputs(fit: Mapping[str, Any]) -> str:
+    """The same of the first pass, of a mechanism by the names of its joints and muscles."""
+    if "chains" not in fit:
+        return orders(fit["u"], "u")
+    inputs = {of: chain["u"] for of, chain in fit["chains"].items()}
+    return ", ".join(
+        f"{of} {'Δ' if 'order_D' in u['numbers'] else 'u'} {u['orders'][0]}{_others(u)}" for of, u in inputs.items()
+    )
+
+
 def _of_pair(fit: Mapping[str, Any]) -> Iterator[str]:
-    yield f"{_FOUND}: {orders(fit['u'], 'u')}"
     if "a" in fit:
         yield f"{_LAW}, {_taken(fit)}: {orders(fit['a'], 'a')}; log L {_gain(fit):+,.0f}"
 
 
 def _of_chains(fits: Mapping[str, Mapping[str, Any]]) -> Iterator[str]:
-    """The same of each joint and muscle by its name."""
-    inputs = {of: fit["u"] for of, fit in fits.items()}
-    told = (
-        f"{of} {'Δ' if 'order_D' in u['numbers'] else 'u'} {u['orders'][0]}{_others(u)}" for of, u in inputs.items()
-    )
-    yield f"{_FOUND}: {', '.join(told)}"
     law = {of: fit for of, fit in fits.items() if "a" in fit}
     for taken in ("taken", "not taken"):
         told = (
