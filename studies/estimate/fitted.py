@@ -94,7 +94,8 @@ def _of_mechanism(
         for of, choice in found.choices.items()
         for name, value in found_numbers(choice.counting).items()
     }
-    return found.outputs, gains, {"chains": {of: _told(choice) for of, choice in found.choices.items()}}
+    chains = {of: {**_told(choice), "jumps": choice.inputs.jumps} for of, choice in found.choices.items()}
+    return found.outputs, gains, {"chains": chains}
 
 
 def _told(choice: Passed | ChoiceApart) -> dict[str, Any]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -47,6 +48,13 @@ class Choice:
     fit: Fit
     tried: Mapping[Orders, float] = field(default_factory=dict)
     needed: Mapping[Orders, float] = field(default_factory=dict)
+
+    @property
+    def jumps(self) -> bool:
+        """Whether an input of order 1, which jumps, is taken or nearly as likely."""
+        rough = tuple(1 for _ in self.orders)
+        loss = self.fit.log_likelihood - self.tried.get(rough, -math.inf)
+        return self.orders == rough or loss < self.needed.get(rough, 0.0)
 
 
 def chosen_inputs(

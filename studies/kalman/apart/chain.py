@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -45,13 +46,15 @@ class Chain:
         return self._known(self.model, {**noise(self.sizes, self.T), density: likely, name: float(order)})
 
     def chosen(self, tables: Sequence[Array]) -> Choice:
-        """Order and density for which the rows of the tables are likeliest."""
-        passes, (_, density, name) = compiled(self.model), self._names
+        """The likeliest of all orders."""
+        _, _, name = self._names
+        return likeliest_chain(functools.partial(self.likeliest, tables), tried(self.by_hand, name), tables)
 
-        def fitting(order: int) -> Fit:
-            return fitted(passes, tables, self.expected(order), self._free({density: self._least(order)}))
-
-        return likeliest_chain(fitting, tried(self.by_hand, name), tables)
+    def likeliest(self, tables: Sequence[Array], order: int | None = None) -> Fit:
+        """Its numbers with the density for which the rows of the tables are likeliest; of an order as `expected`."""
+        numbers, (_, density, name) = self.expected(order), self._names
+        free = self._free({density: self._least(round(numbers[name]))})
+        return fitted(compiled(self.model), tables, numbers, free)
 
     def chosen_law(self, tables: Sequence[Array], first: Choice) -> Choice:
         """The same of a muscle's second pass; tables: linear about the `first`."""

@@ -82,11 +82,11 @@ class Filters:
         if how.lag is not None:
             return self._told(record.of_joints(self._about, forces), numbers, how)
         at = self.motion(self._told(record.of_joints(self._about, forces), numbers, How()))
-        joints = self._told(record.of_joints(at, forces), numbers, how)
         # smoothed forces have the noise of measured ones where it is slow, and none where it is fast
+        smoothed = self.smoothed_forces(at)
         for _ in range(_SMOOTHED_ROUNDS):
+            joints = self._told(record.of_joints(at, smoothed), numbers, how)
             at = self.motion(joints)
-            joints = self._told(record.of_joints(at, self.smoothed(at, numbers)), numbers, how)
         return joints
 
     def motion(self, joints: Mapping[str, Told]) -> Motion:
@@ -137,11 +137,15 @@ class Filters:
         # F̂ = y + p(L̂_S − z)
         return self.record.forces.F + self.record.slopes * (self.lengths(at, muscles) - self.record.z)
 
-    def smoothed(self, at: Motion, numbers: Numbers) -> Forces:
-        """The forces of smoothed tendons."""
-        record = self.record
-        F = self.forces(at, self.muscles(numbers, at, How(lag=None)))
-        speeds = np.array([self._chains[of].frequency(numbers[of]) for of in record.muscles])
+    def smoothed_forces(self, at: Motion) -> Forces:
+        """Those of tendons that are smoothed alone: what joints do by these forces would come back to them."""
+        record, rows = self.record, self.record.of_tendons()
+        found = {of: self._chains[of].likeliest(fitted_to(table)).numbers for of, table in rows.items()}
+        tendons = self._told(rows, found, How(lag=None))
+        # F̂ = y + p(L̂_S − z)
+        lengths = np.stack([told["rest"] for told in tendons.values()], axis=1)
+        F = record.forces.F + record.slopes * (lengths - record.z)
+        speeds = np.array([self._chains[of].frequency(numbers) for of, numbers in found.items()])
         # that of the muscles, by their shares in the noise of a joint's acceleration
         noise = record.laws.acceleration_shares(at.q, F, record.sigma_F)
         total = noise.sum(axis=1, keepdims=True)

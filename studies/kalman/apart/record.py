@@ -127,12 +127,18 @@ class RecordApart:
 
     def of_muscles(self, at: Motion) -> dict[str, Array]:
         """The table of each muscle, whose length is that at a motion."""
-        rest, forces = self.z - at.lengths, self.forces.F
-        tables = {}
+        return self._of_lengths(self.z - at.lengths, at.moved)
+
+    def of_tendons(self) -> dict[str, Array]:
+        """The same of tendons alone, whatever the joints do."""
+        return self._of_lengths(self.z, np.zeros_like(self.z))
+
+    def _of_lengths(self, rest: Array, moved: Array) -> dict[str, Array]:
+        forces, tables = self.forces.F, {}
         for m, of in enumerate(self.muscles):
             # a slack tendon tells no length: its noise is not that of the force
             counted = self.seen & (forces[:, m] > 0)
-            columns = {"t": self.tau, "rest": rest[:, m], "slope": self.slopes[:, m], "moved": at.moved[:, m]}
+            columns = {"t": self.tau, "rest": rest[:, m], "slope": self.slopes[:, m], "moved": moved[:, m]}
             columns |= {"seen": self.seen.astype(float), "counted": counted.astype(float)}
             tables[of] = table(MUSCLE_MODEL, columns)
         return tables

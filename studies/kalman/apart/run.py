@@ -13,7 +13,7 @@ from ....observers.behind.spread import entry, sd
 from ...files.progress import Progress, shares
 from ..muscles import APART, compiled_muscles
 from ..orders import Choice
-from ..run import ACTIVATIONS, INPUTS, How, form_of
+from ..run import ACTIVATIONS, AUTO, INPUTS, How, form_of
 from .chain import Told
 from .filters import Filters, numbers_of
 from .record import RecordApart
@@ -63,7 +63,7 @@ def passed_apart(
     if how.form != INPUTS:
         rows = filters.lawful(numbers, at, how)
         found = filters.chosen_law(inputs, rows, shares(fitting_law, [1.0] * len(rows)))
-        choices |= {of: ChoiceApart(inputs[of], law, form_of(how, inputs[of], law)) for of, law in found.items()}
+        choices |= {of: ChoiceApart(inputs[of], law, _form(how, inputs[of], law)) for of, law in found.items()}
         lawful = {of: choice.counting.fit.numbers for of, choice in choices.items() if choice.form == ACTIVATIONS}
         for of, told in filters.law(numbers, lawful, rows, how).items():
             muscles[of] |= told
@@ -87,6 +87,12 @@ def causal_inputs_apart(filters: Filters, progress: Progress) -> dict[str, Choic
     joints = filters.chosen_joints(steps)
     at = filters.motion(filters.joints(numbers_of(joints), How()))
     return {**joints, **filters.chosen_muscles(filters.record.of_muscles(at), steps)}
+
+
+def _form(how: How, inputs: Choice, activations: Choice) -> str:
+    """The likelier one unless one is asked for; but what jumps is smoothed by its input, as in `form_of`."""
+    likelier = form_of(how, inputs, activations)
+    return INPUTS if how.form == AUTO and not how.causal and inputs.jumps else likelier
 
 
 def _estimated(record: RecordApart, of: str, told: Mapping[str, Array]) -> Told:

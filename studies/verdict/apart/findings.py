@@ -68,7 +68,8 @@ def of_muscles(read: Recording, subject: Subject, fit: Mapping[str, Any], progre
         for name, value in chain.get(form, {}).get("numbers", {}).items()
         if name.startswith("order")
     }
-    weighing, rough = Weighing(read, subject, orders), frozenset(filter(_jumps(fit["chains"]).get, subject.muscles))
+    weighing = Weighing(read, subject, orders)
+    rough = frozenset(of for of in subject.muscles if fit["chains"][of]["jumps"])
     yield from _forms(weighing, rough)
     yield from _bias(weighing, subject)
     needed = needed_for(len(read))
@@ -78,16 +79,6 @@ def of_muscles(read: Recording, subject: Subject, fit: Mapping[str, Any], progre
         progress(i / len(tried))
     yield from doubts(weighed, needed)
     yield from _untold(weighed, needed, subject)
-
-
-def _jumps(chains: Mapping[str, Any]) -> dict[str, bool]:
-    """Of each joint and muscle whether its input jumps: then a chain that does is nearly as likely as any other."""
-
-    def jumps(choice: Mapping[str, Any]) -> bool:
-        loss = choice["log_likelihood"] - choice["tried"].get("1", -math.inf)
-        return choice["orders"] == [1] or bool(loss < choice["needed"].get("1", 0.0))
-
-    return {of: jumps(chain["u"]) for of, chain in chains.items()}
 
 
 def _forms(weighing: Weighing, rough: frozenset[str]) -> Iterator[Finding]:

@@ -79,7 +79,7 @@ class Weighing:
         """How much likelier it is with links that obey other laws, by smoothed forces: noise favours heavy links."""
         numbers = numbers_of(self.inputs)
         at = self._filters.motion(self._filters.joints(numbers, How(lag=None)))
-        forces = self._filters.smoothed(at, numbers)
+        forces = self._filters.smoothed_forces(at)
 
         def likelihood(record: RecordApart) -> float:
             filters = Filters(record, self._orders, at)
