@@ -23,11 +23,11 @@ from ..model import Model, Move
 from .integrators import MUSCLE, MUSCLE_MODEL, index_of, told_of
 
 OF_LAW = ("s_x3",)
-QUANTITIES = ("rest", *CHAINS["a1"])
+QUANTITIES = ("x3", *CHAINS["a1"])
 _INDEX = index_of(QUANTITIES)
 _N = len(QUANTITIES)
 # about which the law is linear: velocity, slopes, estimates
-LINE = ("u", "b_rest", "b_a", "rest_hat", "a_hat")
+LINE = ("u", "b_x3", "b_a", "x3_hat", "a_hat")
 
 LAW: Parameters = {
     "sigma_F1": MUSCLE["sigma_F1"],
@@ -36,30 +36,30 @@ LAW: Parameters = {
 
 
 def linear_law(system: System) -> Block:
-    """Inputs: the estimates; outputs: of each muscle `BRA.u`, `BRA.b_rest`, `BRA.b_a` and `BRA.a_hat`, not limited."""
+    """Inputs: the estimates; outputs: of each muscle `BRA.u`, `BRA.b_x3`, `BRA.b_a` and `BRA.a_hat`, not limited."""
     u, parameters = symbols(system.estimates), activation_parameters(system)
     p, y = symbols(parameters), Symbols()
     for f in formulas(system, u, p):
         L_S, u_hat = (hat(system.name(signal, f.muscle)) for signal in ("L_S", "u"))
         drive = clamp(u[u_hat], SLOWEST * f.speed, FASTEST * f.speed)
         slopes = ca.substitute(ca.jacobian(f.a, ca.vertcat(u[L_S], f.drive)), f.drive, drive)
-        # u − û = b (L_S − L̂_S, a − â),  b = (−∂a/∂L_S, 1)/(∂a/∂u);  L_m is known, so L_S moves as L_S − L_m
+        # u − û = b (L_S − L̂_S, a − â),  b = (−∂a/∂L_S, 1)/(∂a/∂u)
         steepness = ca.fmax(slopes[1], LEAST_SLOPE)
         values = (drive, -slopes[0] / steepness, 1 / steepness, ca.substitute(f.a, f.drive, drive))
-        y |= {f"{f.muscle}.{name}": value for name, value in zip(("u", "b_rest", "b_a", "a_hat"), values, strict=True)}
+        y |= {f"{f.muscle}.{name}": value for name, value in zip(("u", "b_x3", "b_a", "a_hat"), values, strict=True)}
     return Block("linear_law", u=u, p=p, parameters=parameters, y=y)
 
 
 def _move(was: Symbols, now: Symbols, p: Symbols) -> Move:
     T = now.t - was.t
     # the same slopes at both ends
-    b_rest, b_a = (was.b_rest + now.b_rest) / 2, (was.b_a + now.b_a) / 2
-    rest, a = _INDEX["rest"], _INDEX["a1"]
+    b_x3, b_a = (was.b_x3 + now.b_x3) / 2, (was.b_a + now.b_a) / 2
+    x3, a = _INDEX["x3"], _INDEX["a1"]
     A, before, after = ca.SX(_N, _N), ca.SX(_N, 1), ca.SX(_N, 1)
-    # d(L_S − L_m)/dτ = u = û + b_rest (L_S − L̂_S) + b_a (a − â)
-    A[rest, rest], A[rest, a] = b_rest, b_a
+    # L̇_S = L̇_m + û + b_x3 (L_S − L̂_S) + b_a (a − â)
+    A[x3, x3], A[x3, a] = b_x3, b_a
     for w, at in ((before, was), (after, now)):
-        w[rest] = at.u - b_rest * at.rest_hat - b_a * at.a_hat
+        w[x3] = at.rate + at.u - b_x3 * at.x3_hat - b_a * at.a_hat
     for name, rate in itertools.pairwise(CHAINS["a1"]):
         A[_INDEX[name], _INDEX[rate]] = 1
     F, b = driven(A, before, after, T)
@@ -76,16 +76,16 @@ def _start(now: Symbols, p: Symbols) -> tuple[ca.SX, ca.SX]:
 def _noise(p: Symbols) -> Mapping[str, ca.SX]:
     return {
         "s_a1": last_in_use((CHAINS["a1"], p.order_a), _INDEX),
-        "s_x3": ca.SX.eye(_N)[:, _INDEX["rest"]],
+        "s_x3": ca.SX.eye(_N)[:, _INDEX["x3"]],
     }
 
 
 def _told(mean: ca.SX, P: ca.SX, now: Symbols) -> Symbols:
-    """L_S − L_m and the activation, not limited, with all their covariances.
+    """The tendon's length and the activation, not limited, with all their covariances, and the slope of u in a.
 
     û stays that of the first pass: here it would be the error of a length times the slope of a stiff tendon.
     """
-    return told_of(("rest", "a1"), _INDEX, mean, P)
+    return Symbols({**told_of(("x3", "a1"), _INDEX, mean, P), "b_a": now.b_a})
 
 
 LAW_MODEL = Model(

@@ -1,7 +1,6 @@
 """What the filters of joints and muscles tell together: all estimates of a system, and how sure they are.
 
-A muscle's chain follows L_S − L_m. What L_m is off by, the chain is off by as well, and û by the rate of that: L̂_S is
-what the force tells, and the fibre has the rest.
+A muscle's chain knows L̇_m as the joints tell it. What that is off by, û is off by as well, since L_S is measured.
 """
 
 from __future__ import annotations
@@ -81,12 +80,11 @@ def _together(system: System) -> Block:
             y[hat(quantity)], sure[entry(quantity, quantity)] = u[f"{of}.{name}"], u[f"{of}.{entry(name, name)}"]
     for m, of in enumerate(system.muscles):
         L_S, u_m = (system.name(signal, of) for signal in ("L_S", "u"))
-        # L̂_S = (L_S − L_m) + L_m(q̂)
-        y[hat(L_S)], y[hat(u_m)] = u[f"{of}.rest"] + L_m[m], u[f"{of}.u1"]
-        for (a, one), (b, other) in itertools.combinations_with_replacement(((L_S, "rest"), (u_m, "u1")), 2):
+        y[hat(L_S)], y[hat(u_m)] = u[f"{of}.x3"], u[f"{of}.u1"]
+        for (a, one), (b, other) in itertools.combinations_with_replacement(((L_S, "x3"), (u_m, "u1")), 2):
             sure[entry(a, b)] = u[f"{of}.{entry(one, other)}"]
         for j, joint in enumerate(system.joints):
-            # û is off by Rᵀ(q̇̂ − q̇) too
+            # û = … + Rᵀ(q̇̂ − q̇)
             sure[entry(u_m, u_m)] += R[j, m] ** 2 * u[f"{joint}.{entry('x2', 'x2')}"]
             sure[entry(system.name("q", joint), u_m)] = R[j, m] * u[f"{joint}.{entry('x1', 'x2')}"]
     # all others have nothing in common

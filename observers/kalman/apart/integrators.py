@@ -1,7 +1,7 @@
 """The models of a joint and of a muscle alone: chains of integrators whose first is measured, whose last is noise.
 
-With the forces measured nothing else couples them: q̈ = α + ν + Δ with a known α, and L_S − L_m, what the fibre of a
-muscle leaves of its length, moves with u. The names are those that a joint has for the mass, a muscle for muscle 1.
+With the forces measured nothing else couples them: q̈ = α + ν + Δ with a known α, L̇_S = L̇_m + u with a known L̇_m. The
+names are those that a joint has for the mass, and a muscle for muscle 1.
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ from ..states import CHAINS
 
 # of a joint: q, q̇, and what noise of the forces leaves in α where it lasts
 OF_JOINT = ("x1", "x2", "nu", *CHAINS["Delta"])
-# of a muscle: L_S − L_m
-OF_MUSCLE = ("rest", *CHAINS["u1"])
+# of a muscle: L_S
+OF_MUSCLE = ("x3", *CHAINS["u1"])
 
 # noise, √density and order, then with what it starts
 JOINT: Parameters = {
@@ -98,27 +98,30 @@ def _joint() -> Model:
 
 def _muscle() -> Model:
     index = index_of(OF_MUSCLE)
+    x3 = index["x3"]
 
     def chain(p: Symbols) -> tuple[tuple[str, ...], ca.SX]:
         return CHAINS["u1"], p.order_u
 
     def move(was: Symbols, now: Symbols, p: Symbols) -> Move:
-        T = now.t - was.t
-        return Move([_integrated([OF_MUSCLE], index, T)], ca.SX(len(index), 1), T, ca.SX(len(index), 1))
+        T, b = now.t - was.t, ca.SX(len(index), 1)
+        # L̇_S = L̇_m + u, the first in a straight line
+        b[x3] = T * (was.rate + now.rate) / 2
+        return Move([_integrated([OF_MUSCLE], index, T)], b, T, ca.SX(len(index), 1))
 
     def measurements(now: Symbols, p: Symbols) -> list[Measurement]:
-        # R = (σ_F/p)² + Σ (∂L_m/∂q)² σ_q²
-        return [Measurement(index["rest"], now.rest, (p.sigma_F1 / now.slope) ** 2 + now.moved)]
+        # R = (σ_F/p)²
+        return [Measurement(x3, now.z, (p.sigma_F1 / now.slope) ** 2)]
 
     return Model(
         OF_MUSCLE,
-        ("t", "rest", "slope", "moved"),
+        ("t", "z", "slope", "rate"),
         MUSCLE,
         lambda now, p: start(measurements(now, p), [(chain(p), p.start_u)], p, index),
         move,
         lambda p: {"s_u1": last_in_use(chain(p), index)},
         measurements,
-        lambda mean, P, now: told_of(("rest", "u1"), index, mean, P),
+        lambda mean, P, now: told_of(("x3", "u1"), index, mean, P),
     )
 
 

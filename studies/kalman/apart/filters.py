@@ -8,7 +8,6 @@ import numpy as np
 
 from ....model.arrays import Array
 from ....model.symbols import hat
-from ....observers.behind.spread import entry
 from ....observers.kalman.apart.integrators import JOINT_MODEL, MUSCLE_MODEL
 from ...files.progress import Progress
 from ..muscles import LAW, compiled_muscles
@@ -50,8 +49,8 @@ class Filters:
         # velocities in the accelerations are those of the round before
         for _ in range(_CAUSAL_ROUNDS):
             at = self.motion(self._told(record.of_joints(at, record.forces), numbers, How()))
-        lengths = self.lengths(at, self.muscles(numbers, at, How()))
-        return Filters(record.about(lengths), self._by_hand, at)
+        tendons = lengths(self.muscles(numbers, at, How()))
+        return Filters(record.about(tendons), self._by_hand, at)
 
     def chosen_joints(
         self, steps: Iterator[Progress], forces: Forces | None = None, at: Motion | None = None
@@ -91,18 +90,20 @@ class Filters:
 
     def motion(self, joints: Mapping[str, Told]) -> Motion:
         """That which the chains of the joints tell."""
-        q, dq, variance = (
-            np.stack([told[name] for told in joints.values()], axis=1) for name in ("x1", "x2", entry("x1", "x1"))
-        )
-        return Motion(self.record.laws, q, dq, variance)
+        q, dq = (np.stack([told[name] for told in joints.values()], axis=1) for name in ("x1", "x2"))
+        return Motion(self.record.laws, q, dq)
 
     def muscles(self, numbers: Numbers, at: Motion, how: How) -> dict[str, Told]:
         """What the chains of the muscles tell."""
         return self._told(self.record.of_muscles(at), numbers, how)
 
-    def innovations(self, numbers: Numbers) -> Array:
+    def about(self, numbers: Numbers, how: How) -> Motion:
+        """What muscles are to know of the joints: smoothed if `how` is, and causal if that is late only."""
+        return self.motion(self.joints(numbers, how if how.lag is None else How()))
+
+    def innovations(self, numbers: Numbers, how: How) -> Array:
         """Of each sensor, over their standard deviations (n × sensors); NaN where a sample does not count."""
-        at = self.motion(self.joints(numbers, How()))
+        at = self.about(numbers, how)
         tables = {**self.record.of_joints(self._about, self.record.forces), **self.record.of_muscles(at)}
         ratios = [self._chains[of].innovations(rows, numbers[of]) for of, rows in tables.items()]
         return np.concatenate(ratios, axis=1)
@@ -115,7 +116,7 @@ class Filters:
         """The rows of the second pass, linear about the first: smoothed if `how` is, causal if that is late only."""
         muscles = self.muscles(numbers, at, how if how.lag is None else How())
         law = self.law_about(muscles, at)
-        law |= {f"{of}.rest_hat": told["rest"] for of, told in muscles.items()}
+        law |= {f"{of}.x3_hat": told["x3"] for of, told in muscles.items()}
         return self.record.of_law(self.record.of_muscles(at), law)
 
     def law_about(self, muscles: Mapping[str, Told], at: Motion, shift: Array | float = 0.0) -> dict[str, Array]:
@@ -123,28 +124,21 @@ class Filters:
         record, system = self.record, self.record.laws.system
         estimates = dict.fromkeys(system.estimates, np.zeros(len(record)))
         estimates |= dict(zip(map(hat, system.joint("q")), at.q.T, strict=True))
-        estimates |= dict(zip(map(hat, system.muscle("L_S")), (self.lengths(at, muscles) + shift).T, strict=True))
+        estimates |= dict(zip(map(hat, system.muscle("L_S")), (lengths(muscles) + shift).T, strict=True))
         estimates |= {hat(system.name("u", of)): told["u1"] for of, told in muscles.items()}
         return compiled_muscles(system).outputs(LAW, record.numbers, estimates)
 
-    def lengths(self, at: Motion, muscles: Mapping[str, Told]) -> Array:
-        """Of all tendons (n × muscles)."""
-        # L̂_S = (L_S − L_m) + L_m(q̂)
-        return np.stack([told["rest"] for told in muscles.values()], axis=1) + at.lengths
-
-    def forces(self, at: Motion, muscles: Mapping[str, Told]) -> Array:
-        """Of all tendons (n × muscles), as their lengths tell them."""
+    def forces(self, lengths: Array) -> Array:
+        """Of all tendons with these lengths (n × muscles)."""
         # F̂ = y + p(L̂_S − z)
-        return self.record.forces.F + self.record.slopes * (self.lengths(at, muscles) - self.record.z)
+        return self.record.forces.F + self.record.slopes * (lengths - self.record.z)
 
     def smoothed_forces(self, at: Motion) -> Forces:
         """Those of tendons that are smoothed alone: what joints do by these forces would come back to them."""
         record, rows = self.record, self.record.of_tendons()
         found = {of: self._chains[of].likeliest(fitted_to(table)).numbers for of, table in rows.items()}
         tendons = self._told(rows, found, How(lag=None))
-        # F̂ = y + p(L̂_S − z)
-        lengths = np.stack([told["rest"] for told in tendons.values()], axis=1)
-        F = record.forces.F + record.slopes * (lengths - record.z)
+        F = self.forces(lengths(tendons))
         speeds = np.array([self._chains[of].frequency(numbers) for of, numbers in found.items()])
         # that of the muscles, by their shares in the noise of a joint's acceleration
         noise = record.laws.acceleration_shares(at.q, F, record.sigma_F)
@@ -161,6 +155,11 @@ class Filters:
 
     def _told(self, tables: Mapping[str, Array], numbers: Numbers, how: How) -> dict[str, Told]:
         return {of: self._chains[of].told(rows, how, numbers[of]) for of, rows in tables.items()}
+
+
+def lengths(muscles: Mapping[str, Told]) -> Array:
+    """Of all tendons (n × muscles)."""
+    return np.stack([told["x3"] for told in muscles.values()], axis=1)
 
 
 def numbers_of(choices: Mapping[str, Choice]) -> dict[str, Mapping[str, float]]:

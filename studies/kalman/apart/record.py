@@ -25,24 +25,17 @@ _ANY_POLE = 1.0
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """What is known of the joints at each sample: coordinates, velocities, variances of the first (n × joints)."""
+    """What is known of the joints at each sample: coordinates and velocities (n × joints)."""
 
     laws: Laws
     q: Array
     dq: Array
-    variance: Array
 
     @functools.cached_property
-    def lengths(self) -> Array:
-        """Of all muscles (n × muscles)."""
-        return self.laws.lengths(self.q)
-
-    @functools.cached_property
-    def moved(self) -> Array:
-        """The variances of these."""
-        # Σ (∂L_m/∂q)² σ_q²
-        R = self.laws.moment_arms(self.q)
-        return np.asarray((R**2 @ self.variance[:, :, None])[:, :, 0])
+    def rates(self) -> Array:
+        """Of the lengths of all muscles (n × muscles)."""
+        # L̇_m = −Rᵀq̇
+        return self.laws.rates(self.q, self.dq)
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,8 +81,7 @@ class RecordApart:
     def measured(self) -> Motion:
         """What positions tell alone, at rest."""
         q = self.y[:, : len(self.joints)]
-        sigmas = np.array([noise(self.sizes.near(of), self.T)["sigma_1"] for of in self.joints])
-        return Motion(self.laws, q, np.zeros_like(q), np.broadcast_to(sigmas**2, q.shape))
+        return Motion(self.laws, q, np.zeros_like(q))
 
     @property
     def forces(self) -> Forces:
@@ -126,19 +118,19 @@ class RecordApart:
         return tables
 
     def of_muscles(self, at: Motion) -> dict[str, Array]:
-        """The table of each muscle, whose length is that at a motion."""
-        return self._of_lengths(self.z - at.lengths, at.moved)
+        """The table of each muscle, which goes along with a motion."""
+        return self._of_rates(at.rates)
 
     def of_tendons(self) -> dict[str, Array]:
         """The same of tendons alone, whatever the joints do."""
-        return self._of_lengths(self.z, np.zeros_like(self.z))
+        return self._of_rates(np.zeros_like(self.z))
 
-    def _of_lengths(self, rest: Array, moved: Array) -> dict[str, Array]:
+    def _of_rates(self, rates: Array) -> dict[str, Array]:
         forces, tables = self.forces.F, {}
         for m, of in enumerate(self.muscles):
             # a slack tendon tells no length: its noise is not that of the force
             counted = self.seen & (forces[:, m] > 0)
-            columns = {"t": self.tau, "rest": rest[:, m], "slope": self.slopes[:, m], "moved": moved[:, m]}
+            columns = {"t": self.tau, "z": self.z[:, m], "slope": self.slopes[:, m], "rate": rates[:, m]}
             columns |= {"seen": self.seen.astype(float), "counted": counted.astype(float)}
             tables[of] = table(MUSCLE_MODEL, columns)
         return tables

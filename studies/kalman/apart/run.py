@@ -53,11 +53,11 @@ def passed_apart(
     """
     fitting, fitting_law, passing = shares(progress, [_FIT, _FIT_OF_LAW, _PASS])
     filters = Filters(record, by_hand, record.measured).linear()
-    inputs = causal_inputs_apart(filters, fitting)
+    inputs = inputs_apart(filters, how, fitting)
     numbers = numbers_of(inputs)
     joints = filters.joints(numbers, how)
     # late estimates of muscles know what joints were known to do at the time
-    at = filters.motion(joints if how.lag is None else filters.joints(numbers, How()))
+    at = filters.about(numbers, how)
     muscles = filters.muscles(numbers, at, how)
     choices = {of: ChoiceApart(choice) for of, choice in inputs.items()}
     if how.form != INPUTS:
@@ -76,16 +76,19 @@ def passed_apart(
     outputs = compiled_muscles(record.laws.system).outputs(APART, record.numbers, told)
     for of, choice in choices.items():
         if choice.form == ACTIVATIONS:
-            outputs |= _estimated(record, of, told)
+            outputs |= _estimated(record, of, told, outputs)
     passing(1.0)
     return PassedApart(choices, outputs)
 
 
-def causal_inputs_apart(filters: Filters, progress: Progress) -> dict[str, Choice]:
-    """The likeliest numbers of the first pass, of each joint and then of each muscle."""
+def inputs_apart(filters: Filters, how: How, progress: Progress) -> dict[str, Choice]:
+    """The likeliest numbers of the first pass, of each joint and then of each muscle about these.
+
+    Smoothed if `how` is: causal velocities have noise that would count as an input's.
+    """
     steps = shares(progress, [1.0] * len(filters))
     joints = filters.chosen_joints(steps)
-    at = filters.motion(filters.joints(numbers_of(joints), How()))
+    at = filters.about(numbers_of(joints), how)
     return {**joints, **filters.chosen_muscles(filters.record.of_muscles(at), steps)}
 
 
@@ -95,15 +98,20 @@ def _form(how: How, inputs: Choice, activations: Choice) -> str:
     return INPUTS if how.form == AUTO and not how.causal and inputs.jumps else likelier
 
 
-def _estimated(record: RecordApart, of: str, told: Mapping[str, Array]) -> Told:
-    """The activation that a muscle's second pass tells, its deviation, and where it is at a limit."""
+def _estimated(record: RecordApart, of: str, told: Mapping[str, Array], outputs: Mapping[str, Array]) -> Told:
+    """The activation that a muscle's second pass tells, its deviation, and where it is at a limit.
+
+    outputs: of the first pass, which knows how far û is off since velocities of the joints are.
+    """
     system = record.laws.system
-    a, a_hat, u_hat = system.name("a", of), hat(system.name("a", of)), hat(system.name("u", of))
-    value, variance = told[f"{of}.a1"], told[f"{of}.{entry('a1', 'a1')}"]
+    a, u = (system.name(signal, of) for signal in ("a", "u"))
+    value, variance, of_u = (told[f"{of}.{name}"] for name in ("a1", entry("a1", "a1"), entry("u1", "u1")))
+    # L̇_m is off by Rᵀ(q̇̂ − q̇), the activation by ∂a/∂u of that
+    moved = np.maximum(outputs[sd(u)] ** 2 - of_u, 0)
     return {
-        a_hat: np.clip(value, 0, 1),
-        sd(a): np.sqrt(np.maximum(variance, 0)),
-        f"{a_hat}_limit": ((value < 0) | (value > 1)).astype(float),
+        hat(a): np.clip(value, 0, 1),
+        sd(a): np.sqrt(np.maximum(variance, 0) + moved / told[f"{of}.b_a"] ** 2),
+        f"{hat(a)}_limit": ((value < 0) | (value > 1)).astype(float),
         # no activation is computed with it
-        f"{u_hat}_limit": np.zeros(len(value)),
+        f"{hat(u)}_limit": np.zeros(len(value)),
     }

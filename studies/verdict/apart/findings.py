@@ -13,6 +13,7 @@ import xarray as xr
 from ...estimate.run import KALMAN, recorded_apart
 from ...files.progress import Progress
 from ...kalman.apart.filters import Filters
+from ...kalman.run import How
 from ...laboratory.recording import Recording
 from ...laboratory.subject import Subject
 from ..checks import of_joints, of_limits, of_measurements, of_sensors
@@ -39,7 +40,8 @@ def of_all(read: Recording, subject: Subject, estimates: xr.Dataset) -> Iterator
         return
     chains = json.loads(estimates.attrs["fits"])[KALMAN]["chains"]
     filters = Filters(record, {}, record.measured).linear()
-    ratios = filters.innovations({of: chain["u"]["numbers"] for of, chain in chains.items()})
+    how = How(lag=None if json.loads(estimates.attrs["settings"])["smooth"] else 0)
+    ratios = filters.innovations({of: chain["u"]["numbers"] for of, chain in chains.items()}, how)
     noise = min(muscle.sigma_F for muscle in case.sizes.muscles.values())
     yield from of_innovations(read.time, ratios, noise, (*subject.names["position"], *subject.names["force"]))
     of = estimates.sel(observer=KALMAN)

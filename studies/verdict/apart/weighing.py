@@ -10,9 +10,9 @@ import numpy as np
 from ....model.symbols import hat
 from ...estimate.run import recorded_apart
 from ...files.progress import shares, unseen
-from ...kalman.apart.filters import Filters, fitted_to, numbers_of
+from ...kalman.apart.filters import Filters, fitted_to, lengths, numbers_of
 from ...kalman.apart.record import RecordApart
-from ...kalman.apart.run import causal_inputs_apart
+from ...kalman.apart.run import inputs_apart
 from ...kalman.muscles import TENDONS, compiled_muscles
 from ...kalman.orders import Choice
 from ...kalman.run import How
@@ -33,14 +33,15 @@ class Weighing:
     def __init__(self, read: Recording, subject: Subject, orders: Mapping[str, float]) -> None:
         self.case, record = recorded_apart(read, subject)
         self._subject, self._filters = subject, Filters(record, orders, record.measured).linear()
-        self.inputs = causal_inputs_apart(self._filters, unseen)
+        self.inputs = inputs_apart(self._filters, How(), unseen)
         numbers = numbers_of(self.inputs)
-        self._at = self._filters.motion(self._filters.joints(numbers, How()))
+        self._at = self._filters.about(numbers, How())
         rows = self._filters.lawful(numbers, self._at, How())
         self.activations = self._filters.chosen_law(self.inputs, rows, shares(unseen, [1.0] * len(rows)))
         self._orders = {**orders, **_orders(self.inputs), **_orders(self.activations)}
         muscles = self._filters.muscles(numbers, self._at, How())
-        self._lengths, self._forces = self._filters.lengths(self._at, muscles), self._filters.forces(self._at, muscles)
+        self._lengths = lengths(muscles)
+        self._forces = self._filters.forces(self._lengths)
 
     @property
     def record(self) -> RecordApart:
@@ -70,7 +71,7 @@ class Weighing:
         """
         _, record = recorded_apart(read, self._subject)
         filters = Filters(record, self._orders, record.measured).linear()
-        found = causal_inputs_apart(filters, unseen)
+        found = inputs_apart(filters, How(), unseen)
         gain = _likelihood(filters.record, found, found) - _likelihood(self.record, self.inputs, self.inputs)
         # p(q) = scale p(scale q)
         return gain + len(read) * float(np.log(scale))
@@ -78,7 +79,7 @@ class Weighing:
     def other_masses(self, laws: Laws) -> float:
         """How much likelier it is with links that obey other laws, by smoothed forces: noise favours heavy links."""
         numbers = numbers_of(self.inputs)
-        at = self._filters.motion(self._filters.joints(numbers, How(lag=None)))
+        at = self._filters.about(numbers, How(lag=None))
         forces = self._filters.smoothed_forces(at)
 
         def likelihood(record: RecordApart) -> float:
@@ -101,14 +102,14 @@ class Weighing:
 
     def _with_tendons(self, numbers: Mapping[str, float]) -> RecordApart:
         """The record with other numbers, and tendons that have the same forces."""
-        system, lengths = self.record.laws.system, self._lengths
+        system, tendons = self.record.laws.system, self._lengths
         forces = dict(zip(system.muscle("y"), self._forces.T, strict=True))
         for _ in range(_STEPS):
             # Φ_S(L_S) = F̂
-            given = {**dict(zip(map(hat, system.muscle("L_S")), lengths.T, strict=True)), **forces}
+            given = {**dict(zip(map(hat, system.muscle("L_S")), tendons.T, strict=True)), **forces}
             lines = compiled_muscles(system).outputs(TENDONS, numbers, given)
-            lengths = np.stack([lines[name] for name in system.muscle("z")], axis=1)
-        return replace(self.record, numbers=numbers).about(lengths)
+            tendons = np.stack([lines[name] for name in system.muscle("z")], axis=1)
+        return replace(self.record, numbers=numbers).about(tendons)
 
 
 def _likelihood(record: RecordApart, choices: Mapping[str, Choice], of: Iterable[str]) -> float:
