@@ -12,7 +12,6 @@ import casadi as ca
 
 from ....model.block import Block, Parameters, Symbols, symbols
 from ....model.limits import limits
-from ....model.skeleton.paths import moment_arms
 from ....model.symbols import hat
 from ....model.system import System
 from ....model.wiring import rename, wire
@@ -23,6 +22,8 @@ from ..model import Model
 from .activations import LAW
 from .integrators import JOINT, JOINT_MODEL, MUSCLE, MUSCLE_MODEL
 
+# the variance of L̇_m as the joints tell it
+MOVED = "moved"
 # how the names of that begin
 _START = "start_"
 
@@ -67,27 +68,19 @@ def numbers(system: System) -> Parameters:
 
 def _together(system: System) -> Block:
     """Outputs: the system's estimates and their `covariances`."""
-    models = {**dict.fromkeys(system.joints, JOINT_MODEL), **dict.fromkeys(system.muscles, MUSCLE_MODEL)}
-    u = symbols(f"{of}.{name}" for of, model in models.items() for name in told(model))
-    p = symbols(system.length_parameters)
-    q = [u[f"{of}.x1"] for of in system.joints]
-    L_m = ca.vertcat(*system.lengths(q, p))
-    R = moment_arms(L_m, ca.vertcat(*q))
-    y, sure = Symbols(), Symbols()
+    of_joints = (f"{of}.{name}" for of in system.joints for name in told(JOINT_MODEL))
+    of_muscles = (f"{of}.{name}" for of in system.muscles for name in (*told(MUSCLE_MODEL), MOVED))
+    u, y, sure = symbols([*of_joints, *of_muscles]), Symbols(), Symbols()
     for of in system.joints:
         for signal, name in (("q", "x1"), ("dq", "x2"), ("Delta", "Delta")):
             quantity = system.name(signal, of)
             y[hat(quantity)], sure[entry(quantity, quantity)] = u[f"{of}.{name}"], u[f"{of}.{entry(name, name)}"]
-    for m, of in enumerate(system.muscles):
+    for of in system.muscles:
         L_S, u_m = (system.name(signal, of) for signal in ("L_S", "u"))
         y[hat(L_S)], y[hat(u_m)] = u[f"{of}.x3"], u[f"{of}.u1"]
         for (a, one), (b, other) in itertools.combinations_with_replacement(((L_S, "x3"), (u_m, "u1")), 2):
             sure[entry(a, b)] = u[f"{of}.{entry(one, other)}"]
-        for j, joint in enumerate(system.joints):
-            # û = … + Rᵀ(q̇̂ − q̇)
-            sure[entry(u_m, u_m)] += R[j, m] ** 2 * u[f"{joint}.{entry('x2', 'x2')}"]
-            sure[entry(system.name("q", joint), u_m)] = R[j, m] * u[f"{joint}.{entry('x1', 'x2')}"]
+        sure[entry(u_m, u_m)] += u[f"{of}.{MOVED}"]
     # all others have nothing in common
     known = {name: sure.get(name, ca.SX(0)) for name in covariances(system)}
-    y = Symbols({**y.only(system.estimates), **known})
-    return Block("together", u=u, p=p, parameters=system.length_parameters, y=y)
+    return Block("together", u=u, y=Symbols({**y.only(system.estimates), **known}))

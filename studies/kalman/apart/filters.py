@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 
 import numpy as np
 
 from ....model.arrays import Array
 from ....model.symbols import hat
+from ....observers.behind.spread import entry
 from ....observers.kalman.apart.integrators import JOINT_MODEL, MUSCLE_MODEL
 from ...files.progress import Progress
 from ..muscles import LAW, compiled_muscles
@@ -90,16 +92,16 @@ class Filters:
 
     def motion(self, joints: Mapping[str, Told]) -> Motion:
         """That which the chains of the joints tell."""
-        q, dq = (np.stack([told[name] for told in joints.values()], axis=1) for name in ("x1", "x2"))
-        return Motion(self.record.laws, q, dq)
+        names = ("x1", "x2", entry("x2", "x2"))
+        return Motion(self.record.laws, *(np.stack([t[name] for t in joints.values()], axis=1) for name in names))
 
     def muscles(self, numbers: Numbers, at: Motion, how: How) -> dict[str, Told]:
-        """What the chains of the muscles tell."""
-        return self._told(self.record.of_muscles(at), numbers, how)
+        """What the chains of the muscles tell, about joints that are as late already as `about` has them."""
+        return self._told(self.record.of_muscles(at), numbers, _rest(how))
 
     def about(self, numbers: Numbers, how: How) -> Motion:
-        """What muscles are to know of the joints: smoothed if `how` is, and causal if that is late only."""
-        return self.motion(self.joints(numbers, how if how.lag is None else How()))
+        """What muscles are to know of the joints: smoothed if `how` is, and half as late as estimates may be."""
+        return self.motion(self.joints(numbers, how if how.lag is None else replace(how, lag=how.lag // 2)))
 
     def innovations(self, numbers: Numbers, how: How) -> Array:
         """Of each sensor, over their standard deviations (n × sensors); NaN where a sample does not count."""
@@ -110,7 +112,9 @@ class Filters:
 
     def law(self, inputs: Numbers, activations: Numbers, rows: Mapping[str, Array], how: How) -> dict[str, Told]:
         """What the second pass of some muscles tells."""
-        return {of: self._chains[of].told(rows[of], how, inputs[of], numbers) for of, numbers in activations.items()}
+        return {
+            of: self._chains[of].told(rows[of], _rest(how), inputs[of], numbers) for of, numbers in activations.items()
+        }
 
     def lawful(self, numbers: Numbers, at: Motion, how: How) -> dict[str, Array]:
         """The rows of the second pass, linear about the first: smoothed if `how` is, causal if that is late only."""
@@ -155,6 +159,11 @@ class Filters:
 
     def _told(self, tables: Mapping[str, Array], numbers: Numbers, how: How) -> dict[str, Told]:
         return {of: self._chains[of].told(rows, how, numbers[of]) for of, rows in tables.items()}
+
+
+def _rest(how: How) -> How:
+    """How late a muscle's estimate may be where the joints' are so by half of that."""
+    return how if how.lag is None else replace(how, lag=how.lag - how.lag // 2)
 
 
 def lengths(muscles: Mapping[str, Told]) -> Array:

@@ -25,17 +25,24 @@ _ANY_POLE = 1.0
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """What is known of the joints at each sample: coordinates and velocities (n × joints)."""
+    """What is known of the joints at each sample: coordinates, velocities, variances of these (n × joints)."""
 
     laws: Laws
     q: Array
     dq: Array
+    variance: Array
 
     @functools.cached_property
     def rates(self) -> Array:
         """Of the lengths of all muscles (n × muscles)."""
         # L̇_m = −Rᵀq̇
         return self.laws.rates(self.q, self.dq)
+
+    @functools.cached_property
+    def moved(self) -> Array:
+        """The variances of these."""
+        # Rᵀ σ² R
+        return np.asarray((self.laws.moment_arms(self.q) ** 2 @ self.variance[:, :, None])[:, :, 0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +88,7 @@ class RecordApart:
     def measured(self) -> Motion:
         """What positions tell alone, at rest."""
         q = self.y[:, : len(self.joints)]
-        return Motion(self.laws, q, np.zeros_like(q))
+        return Motion(self.laws, q, np.zeros_like(q), np.zeros_like(q))
 
     @property
     def forces(self) -> Forces:

@@ -10,6 +10,7 @@ import numpy as np
 from ....model.arrays import Array
 from ....model.symbols import hat
 from ....observers.behind.spread import entry, sd
+from ....observers.kalman.apart.estimates import MOVED
 from ...files.progress import Progress, shares
 from ..muscles import APART, compiled_muscles
 from ..orders import Choice
@@ -56,7 +57,6 @@ def passed_apart(
     inputs = inputs_apart(filters, how, fitting)
     numbers = numbers_of(inputs)
     joints = filters.joints(numbers, how)
-    # late estimates of muscles know what joints were known to do at the time
     at = filters.about(numbers, how)
     muscles = filters.muscles(numbers, at, how)
     choices = {of: ChoiceApart(choice) for of, choice in inputs.items()}
@@ -68,6 +68,8 @@ def passed_apart(
         for of, told in filters.law(numbers, lawful, rows, how).items():
             muscles[of] |= told
     fitting_law(1.0)
+    for of, moved in zip(record.muscles, at.moved.T, strict=True):
+        muscles[of][MOVED] = moved
     told = {
         f"{of}.{name}": values[::keep_every].copy()
         for of, chain in {**joints, **muscles}.items()
@@ -76,7 +78,7 @@ def passed_apart(
     outputs = compiled_muscles(record.laws.system).outputs(APART, record.numbers, told)
     for of, choice in choices.items():
         if choice.form == ACTIVATIONS:
-            outputs |= _estimated(record, of, told, outputs)
+            outputs |= _estimated(record, of, told)
     passing(1.0)
     return PassedApart(choices, outputs)
 
@@ -98,18 +100,14 @@ def _form(how: How, inputs: Choice, activations: Choice) -> str:
     return INPUTS if how.form == AUTO and not how.causal and inputs.jumps else likelier
 
 
-def _estimated(record: RecordApart, of: str, told: Mapping[str, Array], outputs: Mapping[str, Array]) -> Told:
-    """The activation that a muscle's second pass tells, its deviation, and where it is at a limit.
-
-    outputs: of the first pass, which knows how far û is off since velocities of the joints are.
-    """
+def _estimated(record: RecordApart, of: str, told: Mapping[str, Array]) -> Told:
+    """The activation that a muscle's second pass tells, its deviation, and where it is at a limit."""
     system = record.laws.system
     a, u = (system.name(signal, of) for signal in ("a", "u"))
-    value, variance, of_u = (told[f"{of}.{name}"] for name in ("a1", entry("a1", "a1"), entry("u1", "u1")))
-    # L̇_m is off by Rᵀ(q̇̂ − q̇), the activation by ∂a/∂u of that
-    moved = np.maximum(outputs[sd(u)] ** 2 - of_u, 0)
+    value, variance, moved = (told[f"{of}.{name}"] for name in ("a1", entry("a1", "a1"), MOVED))
     return {
         hat(a): np.clip(value, 0, 1),
+        # what L̇_m is off by, the activation is off by ∂a/∂u times
         sd(a): np.sqrt(np.maximum(variance, 0) + moved / told[f"{of}.b_a"] ** 2),
         f"{hat(a)}_limit": ((value < 0) | (value > 1)).astype(float),
         # no activation is computed with it
