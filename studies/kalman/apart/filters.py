@@ -54,14 +54,9 @@ class Filters:
         tendons = lengths(self.muscles(numbers, at, How()))
         return Filters(record.about(tendons), self._by_hand, at)
 
-    def chosen_joints(
-        self, steps: Iterator[Progress], forces: Forces | None = None, at: Motion | None = None
-    ) -> dict[str, Choice]:
-        """The likeliest numbers of each joint, by forces as they were measured unless others are given.
-
-        at: a motion whose velocities are in the accelerations, instead of those that the filters began with.
-        """
-        return self._chosen(self.record.of_joints(at or self._about, forces or self.record.forces), steps)
+    def chosen_joints(self, steps: Iterator[Progress], forces: Forces | None = None) -> dict[str, Choice]:
+        """The likeliest numbers of each joint, by forces as they were measured unless others are given."""
+        return self._chosen(self.record.of_joints(self._about, forces or self.record.forces), steps)
 
     def chosen_muscles(self, rows: Mapping[str, Array], steps: Iterator[Progress]) -> dict[str, Choice]:
         """The likeliest numbers of muscles by the rows that each has."""

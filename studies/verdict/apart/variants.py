@@ -14,12 +14,14 @@ from ...laboratory.recording import Recording
 from ...laboratory.subject import Subject, subject_of
 from ..doubts import Weighed
 from ..muscles import ROUGH, WHERE_ROUGH
-from ..variants import CAUTION, FACTORS, by, is_close
+from ..variants import FACTORS, by, is_close
 from .weighing import Weighing
 
 _CALLED = {"optimal_fibre_length": "the optimal fibre length", "tendon_slack_length": "the tendon slack length"}
 # an angle in degrees that is taken for radians, and the other way round
 _DEGREES = 180 / math.pi
+# what a number of one muscle must gain, in what most must: half, since a pair has two, and more if it is far off
+_CLOSE, _FAR = 0.5, 3.0
 # of masses that the file has too large; too small ones are told by links that no muscle moves
 _LIGHTER, _IMMOVABLE = (0.1, 0.5), 1e3
 
@@ -63,7 +65,7 @@ def _of_muscles(weighing: Weighing, subject: Subject, needed: float, rough: froz
             telling, name = helps and (of not in rough or number == WHERE_ROUGH), _CALLED.get(number, number)
             for factor in factors:
                 other = replace(muscle, **{number: getattr(muscle, number) * factor})
-                least = needed * (1.0 if is_close(factor) else CAUTION) * (ROUGH if of in rough else 1.0)
+                least = needed * (_CLOSE if is_close(factor) else _FAR) * (ROUGH if of in rough else 1.0)
                 sentence = f"{name} of {of} {by(factor)}"
                 what = Weighed(f"{of}.{number}", name, factor, sentence, None, telling, least, alone=False)
                 yield Variant(what, functools.partial(weighing.other_muscle, of, other))
@@ -103,5 +105,5 @@ def _of_masses(weighing: Weighing, mechanism: Mechanism, needed: float) -> Itera
     )
     for factor, sentence in sentences.items():
         name = "masses" if factor in _LIGHTER else "whether muscles move the joints"
-        what = Weighed(name, name, factor, sentence, None, True, needed, alone=True)
+        what = Weighed(name, name, factor, sentence, None, weighing.forceful, needed, alone=True)
         yield Variant(what, functools.partial(gain, factor))

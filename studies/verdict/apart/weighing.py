@@ -23,6 +23,10 @@ from ...laboratory.scales import curve_numbers
 from ...laboratory.subject import Subject
 from ..hanging import NO_NOISE
 
+# muscles are weighed about what the joints surely did: noise of velocities would be taken for that of fibres
+_SMOOTHED = How(lag=None)
+# largest noise of an acceleration in the acceleration itself, where forces tell of masses
+_LOUD = 0.5
 # Newton's steps to the length at which another tendon has a force
 _STEPS = 8
 
@@ -33,9 +37,9 @@ class Weighing:
     def __init__(self, read: Recording, subject: Subject, orders: Mapping[str, float]) -> None:
         self.case, record = recorded_apart(read, subject)
         self._subject, self._filters = subject, Filters(record, orders, record.measured).linear()
-        self.inputs = inputs_apart(self._filters, How(), unseen)
+        self.inputs = inputs_apart(self._filters, _SMOOTHED, unseen)
         numbers = numbers_of(self.inputs)
-        self._at = self._filters.about(numbers, How())
+        self._at = self._filters.about(numbers, _SMOOTHED)
         rows = self._filters.lawful(numbers, self._at, How())
         self.activations = self._filters.chosen_law(self.inputs, rows, shares(unseen, [1.0] * len(rows)))
         self._orders = {**orders, **_orders(self.inputs), **_orders(self.activations)}
@@ -52,6 +56,14 @@ class Weighing:
     def noisy(self) -> bool:
         """Whether there is noise of positions to speak of."""
         return min(joint.sigma for joint in self.case.sizes.joints.values()) > NO_NOISE
+
+    @property
+    def forceful(self) -> bool:
+        """Whether noise of the forces leaves enough of what they do to the joints to tell masses."""
+        record, at = self.record, self._at
+        moved = record.laws.accelerations(at.q, at.dq, self._forces).std(axis=0)
+        noise = np.sqrt(record.laws.acceleration_variances(at.q, self._forces, record.sigma_F).mean(axis=0))
+        return bool((noise <= _LOUD * moved).all())
 
     def other_muscle(self, of: str, muscle: Muscle) -> float:
         """How much likelier it is with another muscle of this name, whose chain alone that concerns."""
@@ -71,19 +83,17 @@ class Weighing:
         """
         _, record = recorded_apart(read, self._subject)
         filters = Filters(record, self._orders, record.measured).linear()
-        found = inputs_apart(filters, How(), unseen)
+        found = inputs_apart(filters, _SMOOTHED, unseen)
         gain = _likelihood(filters.record, found, found) - _likelihood(self.record, self.inputs, self.inputs)
         # p(q) = scale p(scale q)
         return gain + len(read) * float(np.log(scale))
 
     def other_masses(self, laws: Laws) -> float:
         """How much likelier it is with links that obey other laws, by smoothed forces: noise favours heavy links."""
-        numbers = numbers_of(self.inputs)
-        at = self._filters.about(numbers, How(lag=None))
-        forces = self._filters.smoothed_forces(at)
+        forces = self._filters.smoothed_forces(self._at)
 
         def likelihood(record: RecordApart) -> float:
-            filters = Filters(record, self._orders, at)
+            filters = Filters(record, self._orders, self._at)
             joints = filters.chosen_joints(shares(unseen, [1.0] * len(filters)), forces)
             return _likelihood(record, joints, joints)
 
