@@ -71,7 +71,8 @@ def of_muscles(read: Recording, subject: Subject, fit: Mapping[str, Any], progre
         if name.startswith("order")
     }
     weighing = Weighing(read, subject, orders)
-    rough = frozenset(of for of in subject.muscles if fit["chains"][of]["jumps"])
+    # what one excitation does the others may do less clearly
+    rough = any(fit["chains"][of]["jumps"] for of in subject.muscles)
     yield from _forms(weighing, rough)
     yield from _bias(weighing, subject)
     needed = needed_for(len(read))
@@ -83,17 +84,16 @@ def of_muscles(read: Recording, subject: Subject, fit: Mapping[str, Any], progre
     yield from _untold(weighed, needed, subject)
 
 
-def _forms(weighing: Weighing, rough: frozenset[str]) -> Iterator[Finding]:
+def _forms(weighing: Weighing, rough: bool) -> Iterator[Finding]:
     gains = {
         of: law.fit.log_likelihood - weighing.inputs[of].fit.log_likelihood for of, law in weighing.activations.items()
     }
-    helps = [of for of, gain in gains.items() if gain > 0 and of not in rough]
-    jumping = [of for of, gain in gains.items() if gain > 0 and of in rough]
-    none = [of for of, gain in gains.items() if gain <= 0]
+    helps = ", ".join(of for of, gain in gains.items() if gain > 0)
+    none = ", ".join(of for of, gain in gains.items() if gain <= 0)
+    jump = f"but activations jump: {WHERE_ROUGH} alone can be weighed" if rough else "so numbers can be weighed"
     words = [
-        f"fits {', '.join(helps)}, so numbers can be weighed" if helps else "",
-        f"fits {', '.join(jumping)}, but activations jump: {WHERE_ROUGH} alone can be weighed" if jumping else "",
-        f"is no help for {', '.join(none)}: numbers cannot be weighed" if none else "",
+        f"fits {helps}, {jump}" if helps else "",
+        f"is no help for {none}: numbers cannot be weighed" if none else "",
     ]
     least = min(gains.values())
     yield Finding("form", f"the muscles' law with smooth activations {'; '.join(filter(None, words))}", least)

@@ -44,12 +44,10 @@ class Variant:
         return replace(self.what, gain=gain if math.isfinite(gain) else None)
 
 
-def variants(
-    weighing: Weighing, read: Recording, subject: Subject, needed: float, rough: frozenset[str]
-) -> Iterator[Variant]:
+def variants(weighing: Weighing, read: Recording, subject: Subject, needed: float, rough: bool) -> Iterator[Variant]:
     """All that is tried: each muscle's numbers, forces of two exchanged, angles, masses.
 
-    needed: log L that most must gain; rough: muscles whose activations jump.
+    needed: log L that most must gain; rough: whether activations jump.
     """
     yield from _of_muscles(weighing, subject, needed, rough)
     yield from _of_recordings(weighing, read, subject, needed)
@@ -58,14 +56,14 @@ def variants(
         yield from _of_masses(weighing, mechanism, needed)
 
 
-def _of_muscles(weighing: Weighing, subject: Subject, needed: float, rough: frozenset[str]) -> Iterator[Variant]:
+def _of_muscles(weighing: Weighing, subject: Subject, needed: float, rough: bool) -> Iterator[Variant]:
     for of, muscle in subject.muscles.items():
         helps = weighing.activations[of].fit.log_likelihood > weighing.inputs[of].fit.log_likelihood
         for number, (factors, _) in FACTORS.items():
-            telling, name = helps and (of not in rough or number == WHERE_ROUGH), _CALLED.get(number, number)
+            telling, name = helps and (not rough or number == WHERE_ROUGH), _CALLED.get(number, number)
             for factor in factors:
                 other = replace(muscle, **{number: getattr(muscle, number) * factor})
-                least = needed * (_CLOSE if is_close(factor) else _FAR) * (ROUGH if of in rough else 1.0)
+                least = needed * (_CLOSE if is_close(factor) else _FAR) * (ROUGH if rough else 1.0)
                 sentence = f"{name} of {of} {by(factor)}"
                 what = Weighed(f"{of}.{number}", name, factor, sentence, None, telling, least, alone=False)
                 yield Variant(what, functools.partial(weighing.other_muscle, of, other))
