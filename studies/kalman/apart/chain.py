@@ -80,13 +80,13 @@ class Chain:
         numbers: those of the first pass; law: those of the second, for what that tells of rows of its own.
         """
         model = self.model if law is None else LAW_MODEL
-        passes, given = compiled(model), self._known(model, numbers if law is None else law)
+        passes, given = compiled(model), {**self.given, **(numbers if law is None else law)}
         pieces = list(over(passes, given, rows, how, ahead(self.frequency(numbers), self.T)))
         return dict(zip(passes.told, np.concatenate(pieces).T, strict=True))
 
     def innovations(self, rows: Array, numbers: Mapping[str, float]) -> Array:
         """Of the rows of a table, over their standard deviations (n × 1)."""
-        return innovation_ratios(compiled(self.model), self._known(self.model, numbers), rows)
+        return innovation_ratios(compiled(self.model), {**self.given, **numbers}, rows)
 
     @property
     def _names(self) -> tuple[str, str, str]:

@@ -45,9 +45,12 @@ class Filters:
         return len(self._chains)
 
     def linear(self) -> Filters:
-        """Those about what they tell with the numbers that the sizes of the recording let expect: so are tendons."""
+        """Those about what they tell with the numbers that the sizes of the recording let expect: so are tendons.
+
+        Numbers by hand count later, so that what was found and is given back finds the same.
+        """
         record, at = self.record, self._about
-        numbers = {of: chain.expected() for of, chain in self._chains.items()}
+        numbers = {of: replace(chain, by_hand={}).expected() for of, chain in self._chains.items()}
         # velocities in the accelerations are those of the round before
         for _ in range(_CAUSAL_ROUNDS):
             at = self.motion(self._told(record.of_joints(at, record.forces), numbers, How()))
