@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import casadi as ca
 
 from .lowering import as_written, lowered
+from .stepper import compiled
 
 # these roles run once and take the parameters themselves
 _ONCE = ("init", "scales")
@@ -17,7 +18,7 @@ def hoisted(name: str, table: Mapping[str, ca.Function]) -> dict[str, ca.Functio
 
     One more, `constants(h, p)` → c, holds what they need of p, h and what follows from them.
     """
-    moving = {role: f for role, f in table.items() if role not in _ONCE}
+    moving = {role: f for role, f in compiled(table).items() if role not in _ONCE}
     h, p = ca.SX.sym("h"), ca.SX.sym("p", table["init"].numel_in("p"))
     arguments: dict[str, dict[str, ca.SX]] = {}
     results: list[ca.SX] = []

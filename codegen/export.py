@@ -18,11 +18,19 @@ _ROLES = {
     "scales": (("h", "p"), ("scales",)),
     "init": (("t", "p", "held", "staged"), ("x_next",)),
     "step": (("t", "c", "x", "held", "staged"), ("x_next", "stages")),
+    "stage": (("t", "node", "c", "x", "held", "staged"), ("dx", "seen")),
     "sample": (("t", "c", "x", "held", "staged"), ("x_next",)),
     "each": (("t", "c", "x", "held", "staged"), ("x_next",)),
     "out": (("t", "c", "x", "held", "staged"), ("y", "domain")),
     "watch": (("t", "c", "x", "held", "staged"), ("guards",)),
 }
+
+
+_BY_STAGES = """\
+    INLINE void step(const V *t, const V *c, const V *x, const V *held, const V *staged, V *x_next, V *stages) {{
+        by_stages<Part_{block}>(t, c, x, held, staged, x_next, stages);
+    }}
+"""
 
 
 @dataclass(frozen=True)
@@ -73,7 +81,7 @@ def export_blocks(
 
 
 def _lanes() -> list[str]:
-    return [_kernel("lanes.hpp"), _kernel("functions.hpp")]
+    return [_kernel("lanes.hpp"), _kernel("functions.hpp"), _kernel("stages.hpp")]
 
 
 def _casadi(linkage: str, functions: Sequence[ca.Function]) -> str:
@@ -98,6 +106,9 @@ def _part(block: Block, table: Mapping[str, ca.Function]) -> str:
         "SAMPLED": int(block.sampled),
     }
     roles = [_role(role, table[role]) for role in _ROLES if role in table]
+    if "stage" in table:
+        sizes |= {"N_AT_STAGE": table["stage"].numel_in("staged"), "N_SEEN_AT_STAGE": table["stage"].numel_out("seen")}
+        roles.append(_BY_STAGES.format(block=block.name))
     return f"struct Part_{block.name} {{\n    {_enumeration(sizes)}{_magnitude(block)}{''.join(roles)}}};\n"
 
 
@@ -131,8 +142,10 @@ def _role(role: str, function: ca.Function) -> str:
     }
     # what a compiler knows of the pointers spares CasADi's question whether they are null
     known = "".join(f" {'given' if sizes.get(name) else 'unused'}({name});" for name in (*names_in, *names_out))
+    # a large one is called, not copied to where it is called from
+    linkage = "static __attribute__((noinline)) void" if role == "stage" else "INLINE void"
     return (
-        f"    INLINE void {role}({arguments}) {{\n       {known}\n"
+        f"    {linkage} {role}({arguments}) {{\n       {known}\n"
         f"        const V *arg[] = {{{given}}};\n        V *res[] = {{{results}}};\n"
         f"        {function.name()}(arg, res, 0, 0, 0);\n    }}\n"
     )

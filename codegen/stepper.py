@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import casadi as ca
 
@@ -14,6 +14,8 @@ _WEIGHTS = (1 / 6, 1 / 3, 1 / 3, 1 / 6)
 STAGES = len(_NODES)
 # what has no limit of its own: the sum of its squares over 10⁹ steps is a number still
 _LARGEST = 1e145
+# instructions; the stages of the paper's runs have some hundred
+_LARGE_STAGE = 1_000
 
 
 def functions(
@@ -27,6 +29,7 @@ def functions(
         init  (t, p, held, staged)                 → x
         scales(h, p)                               → 1 over the largest magnitude of each x, then y
         step  (t, h, x, p, held, staged (n × 4))   → x, stage outputs (n × 4)
+        stage (t, h, node, x, p, held, staged)     → h ẋ at t + node h, stage outputs, if no input is held over a step
         sample(t, x, p, held, staged)              → x, if states move by `next`
         each  (t, x, p, held, staged)              → x, if states move by `per_step`
         out   (t, x, p, held, staged)              → y, domain
@@ -69,10 +72,22 @@ def functions(
         "out": _function(block, "out", point, [at(block.y), at(block.domain)], names, ["y", "domain"]),
         "watch": _function(block, "watch", point, [at(block.guards)], names, ["guards"]),
     }
+    if not any(name in block.held for name in staged):
+        node = ca.SX.sym("node")
+        rate, seen = rhs(t + node * h, x, p, w, v)
+        result["stage"] = _function(
+            block, "stage", [t, h, node, x, p, w, v], [h * rate, seen], ["t", "h", "node", *names[1:]], ["dx", "seen"]
+        )
     for role, jump in (("sample", block.next), ("each", block.per_step)):
         if jump:
             result[role] = _function(block, role, point, [moved(jump)], names, ["x_next"])
     return result
+
+
+def compiled(table: Mapping[str, ca.Function]) -> dict[str, ca.Function]:
+    """Those of the functions that become C: of a large step its stages, since compilers take long for large pieces."""
+    small = "stage" not in table or table["stage"].n_instructions() <= _LARGE_STAGE
+    return {role: function for role, function in table.items() if role != ("stage" if small else "step")}
 
 
 def _step(

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from .model.curves import CURVES
     from .model.errors import Error
     from .model.skeleton.paths import Path, constant_moment_arms, polynomial
+    from .model.skeleton.points import Point
     from .model.skeleton.tree import Joint, Link, Tree, TreeError
     from .studies.conformance import conformance
     from .studies.estimate.fit import fit
@@ -47,6 +48,7 @@ _NAMES = {
     ".model.curves": ("CURVES",),
     ".model.errors": ("Error",),
     ".model.skeleton.paths": ("Path", "constant_moment_arms", "polynomial"),
+    ".model.skeleton.points": ("Point",),
     ".model.skeleton.tree": ("Joint", "Link", "Tree", "TreeError"),
     ".studies.conformance": ("conformance",),
     ".studies.estimate.fit": ("fit",),
@@ -99,6 +101,7 @@ __all__ = [
     "MusclePair",
     "Parameter",
     "Path",
+    "Point",
     "Range",
     "Recording",
     "RecordingError",

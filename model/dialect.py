@@ -54,3 +54,8 @@ def root(error: ca.SX) -> ca.SX:
 def dead_zone(value: ca.SX, width: ca.SX) -> ca.SX:
     """|value| where it exceeds `width`, else 0."""
     return (ca.fabs(value) > width) * ca.fabs(value)
+
+
+def solved(M: ca.SX, rhs: ca.SX) -> ca.SX:
+    """M⁻¹ rhs, M symmetric and positive."""
+    return rhs / M if M.is_scalar() else ca.ldl_solve(rhs, *ca.ldl(ca.densify(M)))

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping
+from types import MappingProxyType
 
 import casadi as ca
 import numpy as np
 
 from .curves import CurveSet
+from .dialect import solved
 from .skeleton.newton_euler import equation_of_motion
 from .skeleton.paths import Path, moment_arms
+from .skeleton.points import Point, position
 from .skeleton.tree import PIN, Tree
 from .system import Expressions, System
 
@@ -21,7 +24,11 @@ _PLACES = 5
 
 
 def mechanism_system(
-    tree: Tree, paths: Mapping[str, Path], curves: Mapping[str, CurveSet], pennate: frozenset[str] = frozenset()
+    tree: Tree,
+    paths: Mapping[str, Path],
+    curves: Mapping[str, CurveSet],
+    pennate: frozenset[str] = frozenset(),
+    points: Mapping[str, Point] = MappingProxyType({}),
 ) -> System:
     """The joints of a tree and muscles along `paths`, in the units of these; pennate: muscles with oblique fibres."""
     muscles = tuple(curves)
@@ -37,7 +44,17 @@ def mechanism_system(
         reach=lambda of, p: reaches[of],
         forces=lambda q, Delta, p: laws.forces(q, Delta),
         pennate=pennate,
+        places=lambda q: _places(tree, points, dict(zip(tree.coordinates, q, strict=True))),
     )
+
+
+def _places(tree: Tree, points: Mapping[str, Point], q: Mapping[str, ca.SX]) -> dict[str, ca.SX]:
+    coordinates = {
+        f"{name}.{axis}": value
+        for name, point in points.items()
+        for axis, value in zip("xyz", ca.vertsplit(position(tree, point, q)), strict=True)
+    }
+    return {**q, **coordinates}
 
 
 class _Laws:
@@ -54,7 +71,7 @@ class _Laws:
         # M q̈ = R F − h; what is prescribed moves as if it kept its velocity, and Δ of it is its acceleration
         acc, forces = ca.SX(len(joints), 1), ca.SX.nan(len(joints), 1)
         if free:
-            acc[free] = _solved(motion.M[free, free], (moment_arms(L, q) @ F - motion.h)[free])
+            acc[free] = solved(motion.M[free, free], (moment_arms(L, q) @ F - motion.h)[free])
             # M_ff Δ_f + M_fp q̈_p: nobody knows the force that moves what is prescribed
             forces[free] = motion.M[free, :] @ Delta
         self._lengths = ca.Function("lengths", [q], [L])
@@ -69,11 +86,6 @@ class _Laws:
 
     def forces(self, q: Expressions, Delta: Expressions) -> list[ca.SX]:
         return ca.vertsplit(self._forces(ca.vertcat(*q), ca.vertcat(*Delta)))
-
-
-def _solved(M: ca.SX, rhs: ca.SX) -> ca.SX:
-    """M⁻¹ rhs, M symmetric and positive."""
-    return rhs / M if M.is_scalar() else ca.ldl_solve(rhs, *ca.ldl(ca.densify(M)))
 
 
 def _ranges(tree: Tree) -> list[tuple[float, float]]:

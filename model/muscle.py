@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import casadi as ca
 
 from .block import Block, Parameter, Parameters, Symbols, symbols
@@ -9,6 +11,8 @@ from .curves import CurveSet
 from .dialect import clamp, outside
 from .fibre import along_fibres, muscle_parameters
 
+# keeps 0/0 out of the stiffness where the force does not depend on the velocity
+_RIGID = 1e-12
 ACTIVATION_LIMITS: Parameters = {
     "a_min": Parameter(
         0.01, "smallest activation that a muscle can be given", "chosen, docs/model.md#drives", above=0, below=1
@@ -42,7 +46,10 @@ def virtual_muscle(curves: CurveSet, oblique: bool = False) -> Block:
 
 
 def activated_muscle(curves: CurveSet, oblique: bool = False) -> Block:
-    """Driven by the activation a, limited to [a_min, 1]. Inputs L_m, dL_m, a; outputs as those of `virtual_muscle`."""
+    """Driven by the activation a, limited to [a_min, 1]. Inputs L_m, dL_m, a; outputs as those of `virtual_muscle`.
+
+    And `stiffness`: the rate at which the tendon comes to rest, −∂L̇_S/∂L_S, which an integration step has to resolve.
+    """
     x, u, p, parameters = _muscle(curves, oblique, symbols("a"), ACTIVATION_LIMITS)
     a = clamp(u.a, p.a_min, 1)
     Phi_S = curves.Phi_S(x.L_S, p)
@@ -51,14 +58,28 @@ def activated_muscle(curves: CurveSet, oblique: bool = False) -> Block:
     # L_m − L_S shrinks with u, the fibre with u cos α
     drive = shortening / share
     guards = Symbols(a_limit=outside(u.a, p.a_min, 1), z_limit=z_limit)
-    return _block(x, u, p, parameters, Phi_S, L_C, drive=drive, a=a, guards=guards)
+    block = _block(x, u, p, parameters, Phi_S, L_C, drive=drive, a=a, guards=guards)
+    stiffness = (1 - z_limit) * _stiffness(curves, x.L_S, u.L_m, a, drive, p)
+    return replace(block, y=Symbols({**block.y, "stiffness": stiffness}))
 
 
-def requested_activation(curves: CurveSet) -> Block:
-    """The activation that the controller's request u asks for. Inputs Phi_S, L_C, u; output a, not yet limited."""
-    u, p = symbols("Phi_S L_C u"), symbols(curves.parameters)
-    y = Symbols(a=curves.activation(u.Phi_S, u.L_C, u.u, p))
-    return Block("request", u=u, p=p, parameters=curves.parameters, y=y)
+def _stiffness(curves: CurveSet, L_S: ca.SX, L_m: ca.SX, a: ca.SX, drive: ca.SX, p: Symbols) -> ca.SX:
+    """−∂u/∂L_S of the u that balances tendon and fibres, by the implicit function theorem."""
+    at, v = ca.SX.sym("L_S"), ca.SX.sym("u")
+    along, L_C, shortening = along_fibres(curves.Phi_S(at, p), L_m, at, v, p)
+    # E(L_S, u) = 0:  −∂u/∂L_S = ∂E/∂L_S/∂E/∂u
+    E = along - curves.force(L_C, a, shortening, p)
+    ratio = ca.jacobian(E, at) / ca.fmax(ca.jacobian(E, v), _RIGID)
+    return ca.substitute(ratio, ca.vertcat(at, v), ca.vertcat(L_S, drive))
+
+
+def requested_activation(curves: CurveSet, oblique: bool = False) -> Block:
+    """The activation that the controller's request u asks for. Inputs L_m, L_S, u; output a, not yet limited."""
+    parameters = muscle_parameters(curves, oblique)
+    u, p = symbols("L_m L_S u"), symbols(parameters)
+    force = curves.Phi_S(u.L_S, p)
+    y = Symbols(a=curves.activation(*along_fibres(force, u.L_m, u.L_S, u.u, p), p))
+    return Block("request", u=u, p=p, parameters=parameters, y=y)
 
 
 def _block(

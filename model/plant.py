@@ -16,6 +16,7 @@ DRIVES = {
 }
 # what a muscle tells, in this order
 _TOLD = ("Phi_S", "L_C", "u", "a", "taut")
+STIFFNESS = "stiffness"
 _GUARDS = ("a_limit", "a_infeasible", "z_limit")
 _START = "chosen, docs/model.md#start"
 _AT_START = {"q": (2.6, "position"), "dq": (0.0, "velocity")}
@@ -81,20 +82,20 @@ def plant(system: System = PAIR, drive: str = "virtual") -> Block:
         state = system.name("L_S", of)
         names |= {f"{part.name}.{key}": f"{of}.{key}" for key in part.p}
         names |= {f"{part.name}.L_S": state, f"{part.name}.L_S0": f"{state}_0"}
-        names |= {f"{part.name}.{signal}": system.name(signal, of) for signal in _TOLD}
+        names |= {f"{part.name}.{signal}": system.name(signal, of) for signal in part.y if signal != "L_S"}
         names |= {f"{part.name}.{guard}": system.name(guard, of) for guard in _GUARDS if guard in part.guards}
         if drive == "requested":
-            if oblique:
-                raise BlockError(f"{of}: the drive {drive} knows only fibres in line with their tendon")
-            (request,) = many(requested_activation(curves), [f"request{i}"])
+            (request,) = many(requested_activation(curves, oblique), [f"request{i}"])
             parts.append(request)
-            told = {"Phi_S": f"{part.name}.Phi_S", "L_C": f"{part.name}.L_C", "u": drive_of}
+            told = {"L_m": f"skeleton.L_m.{of}", "L_S": f"{part.name}.L_S", "u": drive_of}
             connections |= {f"{request.name}.{key}": source for key, source in told.items()}
             connections[f"{part.name}.a"] = f"{request.name}.a"
             names |= {f"{request.name}.{key}": f"{of}.{key}" for key in request.p}
     inputs = [*system.joint("Delta"), *system.muscle(outside)]
     wired = wire("plant", parts, connections, dict.fromkeys(inputs, "staged"))
-    outputs = [*system.states, *(name for signal in _TOLD for name in system.muscle(signal))]
+    # a pair's muscles are resolved by any step that its observers take
+    stiff = (STIFFNESS,) if drive != "virtual" and not system.paper else ()
+    outputs = [*system.states, *(name for signal in (*_TOLD, *stiff) for name in system.muscle(signal))]
     whole = rename(wired, "plant", names, outputs)
     # numbers of curves are shared with all who use them
     shared = {key: value for key, value in system.curve_parameters.items() if key in whole.parameters}

@@ -60,8 +60,25 @@ STATES = ("x1", "x2", "x3", "x4")
 MUSCLES = ("muscle1", "muscle2")
 # what an observer estimates and every table scores, in this order
 QUANTITIES = (*STATES, "Delta", "u1", "u2", "a1", "a2")
-ACTIVATIONS = frozenset(("a1", "a2"))
 MEASURED = ("y1", "y2", "y3")
+
+# what each quantity of the pair is in any system, and whose: `x3` is the tendon length, L_S, of muscle 1
+_IN_A_SYSTEM = {
+    **{"x1": ("q", "mass"), "x2": ("dq", "mass"), "Delta": ("Delta", "mass")},
+    **{"x3": ("L_S", "muscle1"), "u1": ("u", "muscle1"), "a1": ("a", "muscle1")},
+    **{"x4": ("L_S", "muscle2"), "u2": ("u", "muscle2"), "a2": ("a", "muscle2")},
+}
+_LIKE = {kind: name for name, (kind, _) in reversed(_IN_A_SYSTEM.items())}
+# symbol and sentence of a signal of any joint or muscle
+_OF_ANY = {
+    "q": (r"$q$", "coordinate of {}"),
+    "dq": (r"$\dot q$", "rate of the coordinate of {}"),
+    "Delta": (r"$\Delta$", "acceleration of {} that no tendon makes"),
+    "y": (r"$y$", "what is measured of {}"),
+    "L_S": ("$L_S$", "tendon length of {}"),
+    "u": ("$u$", "how fast the fibres of {} shorten along its tendon"),
+    "a": ("$a$", "activation of {}"),
+}
 
 
 def hat(name: str) -> str:
@@ -69,8 +86,37 @@ def hat(name: str) -> str:
     return f"{name}_hat"
 
 
+def kind_of(quantity: str) -> str:
+    """What a quantity is, whosever: q, dq, Delta, L_S, u or a."""
+    return _IN_A_SYSTEM[quantity][0] if quantity in _IN_A_SYSTEM else quantity.rpartition(".")[2]
+
+
+def is_quantity(name: str) -> bool:
+    """Whether it is called as a quantity of the pair, or of a joint or muscle, is."""
+    owner, _, kind = name.rpartition(".")
+    return name in _IN_A_SYSTEM or (kind in _LIKE and owner.isidentifier())
+
+
+def owner_of(quantity: str) -> str:
+    """The joint or muscle that a quantity is of."""
+    return _IN_A_SYSTEM[quantity][1] if quantity in _IN_A_SYSTEM else quantity.rpartition(".")[0]
+
+
 def muscle_of(quantity: str) -> str | None:
     """The muscle whose slack tendon makes `quantity` meaningless, or None."""
-    return {"x3": "muscle1", "u1": "muscle1", "a1": "muscle1", "x4": "muscle2", "u2": "muscle2", "a2": "muscle2"}.get(
-        quantity
-    )
+    return owner_of(quantity) if kind_of(quantity) in ("L_S", "u", "a") else None
+
+
+def taut_of(muscle: str) -> str:
+    """The signal that is 1 while the tendon of a muscle carries force."""
+    return f"taut{MUSCLES.index(muscle) + 1}" if muscle in MUSCLES else f"{muscle}.taut"
+
+
+def signal_of(name: str) -> Signal:
+    """A signal of the table, or of a joint or muscle, such as `BRA.L_S`, with the tolerance and size of its kind."""
+    if name in SIGNALS:
+        return SIGNALS[name]
+    owner, _, kind = name.rpartition(".")
+    symbol, sentence = _OF_ANY.get(kind, (kind, "{}"))
+    like = SIGNALS[_LIKE[kind]] if kind in _LIKE else Signal(kind, kind, "", "")
+    return Signal(name, f"{symbol} {owner}", sentence.format(owner), "", like.unit, like.tolerance, like.size)

@@ -38,6 +38,7 @@ class System:
     forces: Callable[[Expressions, Expressions, Symbols], list[ca.SX]]  # that make the accelerations Delta at q
     names: Mapping[tuple[str, str], str] = field(default_factory=dict)
     pennate: frozenset[str] = frozenset()
+    places: Callable[[Expressions], Mapping[str, ca.SX]] = lambda q: {}
 
     @property
     def paper(self) -> bool:

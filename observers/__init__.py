@@ -129,7 +129,7 @@ def estimator_of(observer: Observer, corrected: bool, system: System = THE_PAIR,
 
 def baseline_estimator(system: System = THE_PAIR, activations: bool = True) -> Block:
     """The trivial baseline, wired like an observer."""
-    return estimator(baseline(), system, activations)
+    return estimator(baseline(system), system, activations)
 
 
 __all__ = [

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import casadi as ca
 
 from ..model.block import Block, Parameter, Symbols, symbols
+from ..model.symbols import hat
+from ..model.system import PAIR, System
 
 PARAMETERS = {
     "Delta": Parameter(
@@ -13,8 +17,15 @@ PARAMETERS = {
 }
 
 
-def baseline() -> Block:
-    """x̂₁ = y₁, x̂₃ = Φ_S⁻¹(y₂), x̂₄ = Φ_S⁻¹(y₃), x̂₂ = û = 0, Δ̂ a constant; no states."""
-    u, p, zero = symbols("y1 L_S1 L_S2"), symbols(PARAMETERS), ca.SX(0)
-    y = Symbols(x1_hat=u.y1, x2_hat=zero, x3_hat=u.L_S1, x4_hat=u.L_S2, Delta_hat=p.Delta, u1_hat=zero, u2_hat=zero)
-    return Block("baseline", u=u, p=p, parameters=PARAMETERS, y=y)
+def baseline(system: System = PAIR) -> Block:
+    """q̂ = y, L̂_S = Φ_S⁻¹(y), q̇̂ = û = 0, Δ̂ a constant; no states."""
+    parameters = PARAMETERS if system.paper else {f"{of}.Delta": _constant(of) for of in system.joints}
+    u, p = symbols([*system.joint("y"), *system.muscle("z")]), symbols(parameters)
+    known = dict(zip((*system.joint("q"), *system.muscle("L_S")), u.values(), strict=True))
+    known |= dict(zip(system.joint("Delta"), p.values(), strict=True))
+    y = Symbols({name: known.get(name.removesuffix(hat("")), ca.SX(0)) for name in system.estimates})
+    return Block("baseline", u=u, p=p, parameters=parameters, y=y)
+
+
+def _constant(joint: str) -> Parameter:
+    return replace(PARAMETERS["Delta"], shared=f"uncertainty.{joint}.offset", default=0.0)

@@ -26,6 +26,8 @@ FACTS = {
 
 # two numbers that are printed equal are equal
 _EQUAL = 1e-6
+# nodes of an expression that are compared
+_DEEP = 20
 
 
 @dataclass(frozen=True)
@@ -85,6 +87,16 @@ def positive(name: str, value: ca.SX) -> Condition:
 def between(name: str, value: ca.SX, low: ca.SX | float, high: ca.SX | float) -> list[Condition]:
     """low < value < high, as two conditions of one name."""
     return [above(name, value, low), below(name, value, high)]
+
+
+def each_once(conditions: list[Condition]) -> list[Condition]:
+    """What is said of both muscles of the pair is said of one."""
+    kept: list[Condition] = []
+    for condition in conditions:
+        sides = ca.vertcat(condition.left, condition.right)
+        if not any(ca.is_equal(sides, ca.vertcat(one.left, one.right), _DEEP) for one in kept):
+            kept.append(condition)
+    return kept
 
 
 def check(conditions: list[Condition], symbols: Symbols, values: Mapping[str, float]) -> list[Checked]:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import casadi as ca
 
@@ -12,7 +13,7 @@ from ..model.block import Block, BlockError, Symbols
 from ..model.limits import STABLE
 from ..model.system import PAIR, System
 from .chained import Chains, chained, views
-from .conditions import Condition, Conditions, below
+from .conditions import Condition, Conditions, below, each_once
 
 
 @dataclass(frozen=True)
@@ -156,11 +157,23 @@ class Observer:
             for name, rate in self.rates(view).items()
         }
 
-    def conditions(self, p: Symbols, facts: Symbols) -> list[Condition]:
+    def theorems(self, system: System, p: Symbols, facts: Symbols) -> dict[str, list[Condition]]:
+        """What its theorem asks of the gains, by joint or muscle; of the pair of all together."""
+        asked = {}
+        for of, view in self.views(system, p).items():
+            conditions = self.theorem(view, facts)
+            if of:
+                # about numbers of this joint or muscle, and not its neighbour's alone
+                own = ca.vertcat(*(symbol for name, symbol in p.items() if name.startswith(f"{of}.")))
+                conditions = each_once([c for c in conditions if ca.depends_on(ca.vertcat(c.left, c.right), own)])
+                conditions = [replace(condition, name=f"{of}: {condition.name}") for condition in conditions]
+            asked[of] = conditions
+        return asked
+
+    def conditions(self, system: System, p: Symbols, facts: Symbols) -> list[Condition]:
         """What its theorem and the integration step h ask of the gains."""
-        rates = self.rates(p) if self.rates else {}
         steps = [
             below(f"h {name} < {self.limit:g} (integration)", facts.h * rate, self.limit)
-            for name, rate in rates.items()
+            for name, rate in (self.rates_of(system, p) or {}).items()
         ]
-        return [*self.theorem(p, facts), *steps]
+        return [*itertools.chain.from_iterable(self.theorems(system, p, facts).values()), *steps]

@@ -7,19 +7,24 @@ from collections.abc import Sequence
 import casadi as ca
 
 from ..model.block import Block, Parameter, Symbols, symbols
-from ..model.symbols import MUSCLES, QUANTITIES, SIGNALS, hat, muscle_of
+from ..model.symbols import QUANTITIES, hat, kind_of, muscle_of, signal_of, taut_of
 
 # what can be taken of a quantity
 MEASURES = ("rmse", "peak", "settling", "chattering")
 # the differences of these from sample to sample are the chattering
-CHATTERING = ("Delta", "u1", "u2", "a1", "a2")
-# a quantity of a muscle counts only while its tendon is taut
-_TAUT = {"always": "", **dict(zip(MUSCLES, ("taut1", "taut2"), strict=True))}
+_CHATTERING = ("Delta", "u", "a")
+# what counts all the time; a quantity of a muscle only while its tendon is taut
+_ALWAYS = "always"
 
 
 def counted_with(quantity: str) -> str:
     """Whose counts are those of `quantity`: a muscle's, or `always`."""
-    return muscle_of(quantity) or "always"
+    return muscle_of(quantity) or _ALWAYS
+
+
+def chatters(quantity: str) -> bool:
+    """Whether its chattering is taken: it is an unknown input or follows from one."""
+    return kind_of(quantity) in _CHATTERING
 
 
 def _switch(condition: ca.SX, new: ca.SX, old: ca.SX) -> ca.SX:
@@ -33,13 +38,13 @@ def score(quantities: Sequence[str] = QUANTITIES, measures: Sequence[str] = MEAS
     run), and from sample to sample chatter and previous for the chattering ones. Per muscle, and for what always
     counts: count of grid points in the window, pairs of neighbouring samples, and whether the last sample counted.
     """
-    owners = [owner for owner in _TAUT if owner in map(counted_with, quantities)]
-    chattering = [name for name in quantities if name in CHATTERING and "chattering" in measures]
-    truth, taut = symbols(quantities), symbols(_TAUT[owner] for owner in owners if _TAUT[owner])
+    owners = sorted(dict.fromkeys(map(counted_with, quantities)), key=lambda owner: owner != _ALWAYS)
+    chattering = [name for name in quantities if chatters(name) and "chattering" in measures]
+    truth, taut = symbols(quantities), symbols(taut_of(owner) for owner in owners if owner != _ALWAYS)
     estimate, flags = symbols(hat(name) for name in quantities), symbols("t window")
     parameters = {
         f"tolerance.{name}": Parameter(
-            SIGNALS[name].tolerance,
+            signal_of(name).tolerance,
             f"error of {name} that counts as settled",
             "chosen, docs/model.md#measures",
             above=0,
@@ -56,7 +61,7 @@ def score(quantities: Sequence[str] = QUANTITIES, measures: Sequence[str] = MEAS
 
     seen, pair = {}, {}
     for name in owners:
-        seen[name] = taut[_TAUT[name]] if _TAUT[name] else ca.SX(1)
+        seen[name] = ca.SX(1) if name == _ALWAYS else taut[taut_of(name)]
         # neighbouring samples, both in the window and both taut
         counts = flags.window * seen[name]
         if "rmse" in measures:

@@ -8,7 +8,7 @@ import casadi as ca
 import numpy as np
 
 from ..codegen.shared_library import compile_functions
-from ..codegen.stepper import STAGES, functions
+from ..codegen.stepper import STAGES, compiled, functions
 from ..model.arrays import Array
 from ..model.block import Block, BlockError
 from ..model.symbols import MEASURED
@@ -72,14 +72,14 @@ def _numbers(whole: Block) -> Iterator[str]:
 
 
 def _compiled(whole: Block) -> Iterator[str]:
-    table = functions(whole, sorted(whole.held), SENSED)
+    table = compiled(functions(whole, sorted(whole.held), SENSED))
     library = compile_functions(list(table.values()))
     for function in table.values():
         points = _points(whole, function)
-        compiled = np.hstack(library.call(function.name(), *points))
+        ours = np.hstack(library.call(function.name(), *points))
         expected = np.array([_evaluate(function, row) for row in zip(*points, strict=True)])
-        if not np.allclose(compiled, expected, rtol=_AGREEMENT, atol=_AGREEMENT, equal_nan=True):
-            yield f"{function.name()}: compiled C and expression differ by {np.nanmax(np.abs(compiled - expected)):.1e}"
+        if not np.allclose(ours, expected, rtol=_AGREEMENT, atol=_AGREEMENT, equal_nan=True):
+            yield f"{function.name()}: compiled C and expression differ by {np.nanmax(np.abs(ours - expected)):.1e}"
 
 
 def _evaluate(function: ca.Function, row: Sequence[Array]) -> Array:
@@ -92,7 +92,8 @@ def _points(whole: Block, function: ca.Function) -> list[Array]:
     """Random arguments about the start of a run."""
     random = np.random.default_rng(0)
     p = np.array([parameter.default for parameter in whole.parameters.values()])
-    centre = {"t": np.zeros(1), "h": np.full(1, 1e-3), "p": p, "held": np.zeros(len(whole.held))}
+    nothing = np.zeros(1)
+    centre = {"t": nothing, "node": nothing, "h": np.full(1, 1e-3), "p": p, "held": np.zeros(len(whole.held))}
     result = []
     for i in range(function.n_in()):
         name, size = function.name_in(i), function.numel_in(i)

@@ -12,9 +12,12 @@ import matplotlib.pyplot as plt
 import pytest
 
 from hillobs.model.curves import NGUYEN2019, THELEN2003
+from hillobs.observers import OBSERVERS
+from hillobs.studies import conformance
 from hillobs.studies.cli.main import commands
 from hillobs.studies.files.pages import documentation
 from hillobs.studies.scenarios.loops import all_paths
+from hillobs.studies.scenarios.prepare import prepare
 from places import DOCS, FENCED, RECORDINGS, ROOT, anchors
 
 README = ROOT / "README.md"
@@ -57,8 +60,12 @@ def desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.mark.parametrize("page", pages_with_python(), ids=lambda page: page.name)
-def test_the_python_of_a_page_runs(page: Path, desk: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_python_of_a_page_runs(
+    page: Path, desk: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
     code = python_of(page)
+    # an observer of one's own conforms beside the one that the page has compiled it with; beside all in the long run
+    monkeypatch.setattr(conformance, "OBSERVERS", {name: OBSERVERS[name] for name in ("high_gain",)})
     if "estimates/estimates.nc" in code:
         # what the page's command has left
         made = "estimate run.csv --muscles pair.toml --map 'position=block x[mm]' --out estimates --no-figures"
@@ -119,6 +126,8 @@ def test_the_numbers_that_shown_commands_change_exist() -> None:
     paths = {"seed", "muscle.curves", "muscle1.curves", "muscle2.curves", "plant.drive", "mine.gain"}
     for curves in (NGUYEN2019, THELEN2003):
         paths |= all_paths((), curves).parameters.keys() | all_paths((), curves).groups().keys()
+    of_arm = prepare("arm", "high_gain", {}).paths
+    paths |= of_arm.parameters.keys() | of_arm.groups().keys()
     text = "\n".join(page.read_text(encoding="utf-8") for page in (*PAGES, *OTHERS))
     changed = set(re.findall(r"--(?:set|over|zip|design) +([a-z_]\w*(?:\.\w+)*)=", text))
     assert len(changed) > 5

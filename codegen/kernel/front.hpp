@@ -15,8 +15,6 @@ struct Sight {
 // inlines all that it calls: then CasADi's null checks are decided at compile time
 #define FLAT __attribute__((flatten, noinline))
 
-static const double NODES[] = {0, 0.5, 0.5, 1};
-
 // stands for the arguments that a front does not read
 static const V NEVER = NAN;
 

@@ -64,6 +64,12 @@ class CurveSet:
         # a = (Φ_S − Φ_P)/(g(u) f)   [z]
         return active / (self.g(u, p) * f)
 
+    def force(self, L_C: ca.SX, a: ca.SX, u: ca.SX, p: Symbols) -> ca.SX:
+        """The force along fibres of length L_C and activation a that shorten with velocity u."""
+        active = a * ca.fmax(self.f(L_C, p), _FORCE_FLOOR) * self.g(u / self.slowing(a, p), p)
+        # Φ_S = Φ_P + a f g(u/S) − b u
+        return self.Phi_P(L_C, p) + active - (0 if self.damping is None else self.damping(p) * u)
+
     def velocity(self, F: ca.SX, L_C: ca.SX, a: ca.SX, p: Symbols, z_max: ca.SX) -> tuple[ca.SX, ca.SX]:
         """The shortening velocity u of a muscle of activation a, and 1 where g(u/S) is at a limit, 0 or z_max."""
         isometric = a * ca.fmax(self.f(L_C, p), _FORCE_FLOOR)

@@ -1,8 +1,13 @@
-"""Activations given as signals, for a plant without a controller."""
+"""Activations or excitations given as signals, for a plant without a controller."""
 
 from __future__ import annotations
 
-from ..block import Block, Parameters, Symbols, symbols
+from collections.abc import Iterable
+
+import casadi as ca
+
+from ..block import Block, Parameter, Parameters, Symbols, symbols
+from ..dialect import clamp
 from .reference import signal, sine
 
 # offset and amplitude per muscle: anti-phase about an equal co-contraction
@@ -21,3 +26,22 @@ def given_activations() -> Block:
     p = symbols(flat)
     y = Symbols({f"a{name[-1]}": sine(u, p.part(name)) for name in parameters})
     return Block("activations", u=u, p=p, parameters=flat, y=y)
+
+
+_CHOSEN = "chosen, docs/mechanisms.md#simulations"
+
+
+def signals_of(kind: str, muscles: Iterable[str]) -> Block:
+    """For each muscle offset + amplitude sin(frequency τ + phase), within [0, 1]; its outputs are named after them."""
+    u = symbols("t")
+    parameters: dict[str, Parameter] = {}
+    for muscle in muscles:
+        numbers = signal(0.2, 0.1, 0.5, f"the {kind} of {muscle}", _CHOSEN)
+        phase = Parameter(0.0, f"phase of the {kind} of {muscle}", _CHOSEN, "rad")
+        parameters |= {f"{muscle}.{key}": number for key, number in {**numbers, "phase": phase}.items()}
+    p = symbols(parameters)
+    y = Symbols()
+    for muscle in dict.fromkeys(key.rpartition(".")[0] for key in parameters):
+        of = p.part(muscle)
+        y[muscle] = clamp(of.offset + of.amplitude * ca.sin(of.frequency * u.t + of.phase), 0, 1)
+    return Block(kind, u=u, p=p, parameters=parameters, y=y)

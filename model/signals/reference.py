@@ -32,10 +32,10 @@ def derivatives(y: ca.SX, t: ca.SX, names: list[str]) -> Symbols:
     return result
 
 
-def reference() -> Block:
+def reference(offset: float = 2.6315, amplitude: float = 0.01, source: str = _PAPER) -> Block:
     """r = 2.6315 + 0.01 sin 0.5τ. Outputs r, dr, ddr, dddr."""
     u = symbols("t")
-    parameters = signal(2.6315, 0.01, 0.5, "the reference")
+    parameters = signal(offset, amplitude, 0.5, "the reference", source)
     p = symbols(parameters)
     y = derivatives(sine(u, p), u.t, ["r", "dr", "ddr", "dddr"])
     return Block("reference", u=u, p=p, parameters=parameters, y=y)

@@ -43,6 +43,21 @@ class Place:
 
 def bodies(tree: Tree) -> list[Body]:
     """The bodies, each after the one that carries it."""
+    joints, places = _folded(tree)
+    carried = [_together(tree.links, places, number) for number in range(len(joints))]
+    return [
+        Body(name, parent, fixed, _direction(joint), joint.kind == SLIDER, *of)
+        for (name, parent, fixed, joint), of in zip(joints, carried, strict=True)
+    ]
+
+
+def place_of(tree: Tree, link: str) -> Place:
+    """Where a link of the tree is."""
+    return _folded(tree)[1][link]
+
+
+def _folded(tree: Tree) -> tuple[list[tuple[str, int, Frame, Joint]], dict[str, Place]]:
+    """Each moving joint with the body that carries it and where it is there, and where all links are."""
     places = {GROUND: Place(_STILL, HERE)}
     joints: list[tuple[str, int, Frame, Joint]] = []
     for name in tree.outward:
@@ -55,11 +70,7 @@ def bodies(tree: Tree) -> list[Body]:
             joints.append((name, parent.body, fixed, joint))
         else:
             places[joint.child] = Place(parent.body, child.within(_locked(joint).within(fixed)))
-    carried = [_together(tree.links, places, number) for number in range(len(joints))]
-    return [
-        Body(name, parent, fixed, _direction(joint), joint.kind == SLIDER, *of)
-        for (name, parent, fixed, joint), of in zip(joints, carried, strict=True)
-    ]
+    return joints, places
 
 
 def _direction(joint: Joint) -> Array:

@@ -55,8 +55,11 @@ def simulate(
     drawn = () if no_figures else FIGURES
     refuse_overwriting(
         path
-        for label in (prepared.label for prepared in runs)
-        for path in (*run_paths(folder, label), *figure_paths(folder, label, drawn))
+        for prepared in runs
+        for path in (
+            *run_paths(folder, prepared.label, not prepared.system.paper),
+            *figure_paths(folder, prepared.label, drawn),
+        )
     )
     failed = False
     for prepared in runs:

@@ -11,7 +11,6 @@ from pathlib import Path
 import click
 import xarray as xr
 
-from ...model.symbols import QUANTITIES
 from ...observers.score import MEASURES
 from ..figures.sweep.figures import save_sweep_figures, sweep_figure_paths
 from ..files.errors import ClusterError, ScenarioError
@@ -78,7 +77,7 @@ def sweep(
             loaded(observers),
             changes,
             *_kind(zipped, design),
-            quantities or QUANTITIES,
+            quantities or None,
             kinds or MEASURES,
             corrected,
         )

@@ -9,8 +9,8 @@ from fractions import Fraction
 
 import casadi as ca
 
-from ...model.backstepping import PARAMETERS, distribute, riccati
 from ...model.block import Block, Parameter, Symbols, symbols
+from ...model.control.backstepping import PARAMETERS, distribute, riccati
 from ...model.curves import NGUYEN2019, PRINTED_TOE, CurveSet
 from ...model.dialect import clamp, sg
 from ...model.symbols import MUSCLES

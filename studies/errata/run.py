@@ -19,7 +19,8 @@ from ...codegen.memory import Grid
 from ...model.arrays import Array
 from ...model.block import Symbols
 from ...model.curves import NGUYEN2019, NGUYEN2019_PRINTED
-from ...model.symbols import hat
+from ...model.signals.pulses import PULSES
+from ...model.symbols import QUANTITIES, hat
 from ..files.progress import Progress, shares, unseen
 from ..scenarios.grid import time_grid
 from ..scenarios.layers import Value, layers
@@ -143,7 +144,7 @@ def _estimation(variant: Variant, progress: Progress) -> Estimation:
     error = np.abs(s["x1"] - s["x1_hat"])
     return Estimation(
         variant,
-        rmse={q: float(e) for q, e in measures(trace.score, grid, names=["rmse"])["rmse"].items()},
+        rmse={q: float(e) for q, e in measures(trace.score, grid, QUANTITIES, ["rmse"])["rmse"].items()},
         x1_largest=float(error[run.t >= grid.window * grid.h].max()),
         nearest={hat(name): _nearest(s[hat(name)], signals, run.t >= end / 2) for name, signals in _true(s).items()},
         guards={name: time for name, time in trace.guards.items() if time > 0},
@@ -205,7 +206,7 @@ def _run(changes: Mapping[str, Value], observers: Sequence[str], progress: Progr
     loop = _loop()
     paths = paths_of(loop.blocks)
     given = scenario(*layers("paper-clean", changes), paths).given
-    grid = time_grid(lambda path: paths.value(path, given))
+    grid = time_grid(lambda path: paths.value(path, given), PULSES)
     values = {block.name: paths.values(block, given) for block in loop.blocks}
     traces = compile_loop(loop).run(grid, 0, values, observers, progress)
     outputs = {block.name: block.y for block in loop.blocks}

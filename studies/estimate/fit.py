@@ -29,6 +29,7 @@ from ..laboratory.subject import Subject
 from ..scenarios.layers import SUFFIX, Value, layers, shipped
 from ..scenarios.paths import paths_of
 from ..scenarios.prepare import prepare
+from ..scenarios.world import PairWorld
 from ..simulate.run import simulate_prepared
 from .follow import compiled_bank, follower_bank, lengths_block, measured_tendons
 from .run import KALMAN, estimate
@@ -116,7 +117,10 @@ def _of_scenario(source: str | Path, changes: Mapping[str, Value], progress: Pro
     y = simulate_prepared(prepared, next(parts)).y.values
     if not np.isfinite(y).all():
         raise ScenarioError(f"{prepared.label}: the plant fails; there is nothing to be likely")
-    curves, paths = prepared.scenario.curves, prepared.paths
+    world, paths = prepared.scenario.world, prepared.paths
+    if not isinstance(world, PairWorld):
+        raise ScenarioError(f"{prepared.label} is of a mechanism; densities are found for a pair")
+    curves = world.curves
     compiled = compiled_bank(follower_bank(pair_system(curves), False, ()))
     block = estimator(OBSERVERS[KALMAN].block(), pair_system(curves))
     given = prepared.scenario.given

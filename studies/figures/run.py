@@ -18,22 +18,25 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
 from ...model.arrays import Array
-from ...model.curves import by_muscle
 from ...model.curves.tendon import Tendon, tendon
-from ...model.symbols import MUSCLES, SIGNALS, STATES, hat
+from ...model.symbols import MUSCLES, SIGNALS, hat, kind_of, signal_of
 from ...observers import label
 from ..files.quote import drawn
-from ..scenarios.scenario import curves_of
+from ..simulate.schema import curves_by_muscle
+from ..simulate.series import series
 from . import style
 from .page import above, settings, write_figures
 from .traces import line, traces
-from .views import Flags, infeasible, limits, series, slack, start, true
+from .views import Flags, infeasible, limits, slack, start, true
 
 FIGURES = ("phi_s", "reference", "states", "inputs", "activations")
-INPUTS = ("Delta", "u1", "u2")
-ACTIVATIONS = ("a1", "a2")
+# what the last three show
+_KINDS = (("q", "dq", "L_S"), ("Delta", "u"), ("a",))
 
-_ROW = 1.25  # inches
+# inches: of a row, of all rows of a page, and the least of a row
+_ROW, _PAGE, _LEAST = 1.25, 12.0, 0.8
+# panels of tendons side by side
+_PANELS = 3
 # size of a title, and its letters in an inch
 _TITLE, _LETTERS = 8, 15
 # along the height of a row
@@ -43,7 +46,8 @@ _NUMBERS = 5
 def figures(dataset: xr.Dataset) -> dict[str, Figure]:
     """All figures of one run, by the names in FIGURES."""
     with settings():
-        groups = (estimates(dataset, quantities) for quantities in (STATES, INPUTS, ACTIVATIONS))
+        of_kind = [[name for name in dataset.quantity.values.tolist() if kind_of(name) in kinds] for kinds in _KINDS]
+        groups = (estimates(dataset, quantities) for quantities in of_kind)
         drawn = dict(zip(FIGURES, (phi_s(dataset), reference(dataset), *groups), strict=True))
         for figure in drawn.values():
             _name_changes(figure, dataset)
@@ -70,20 +74,59 @@ def save_figures(dataset: xr.Dataset, folder: str | Path, stem: str) -> list[Pat
 
 def phi_s(dataset: xr.Dataset) -> Figure:
     """Φ_S over the tendon length, its regions marked; a panel per muscle if their tendons differ."""
-    curves = curves_of(json.loads(dataset.attrs["choices"]))
     parameters = json.loads(dataset.attrs["parameters"])
-    tendons = {muscle: tendon(by_muscle(curves)[muscle], muscle, parameters) for muscle in MUSCLES}
-    if tendons[MUSCLES[0]] == tendons[MUSCLES[1]]:
-        tendons = {"": tendons[MUSCLES[0]]}
-    figure = Figure(figsize=(style.COLUMN * len(tendons), 2.5), layout="constrained")
-    panels = figure.subplots(1, len(tendons), squeeze=False).flat
-    for axes, (muscle, shown) in zip(panels, tendons.items(), strict=True):
-        _tendon_curve(axes, shown, muscle[-1:] or "j")
+    tendons = {muscle: tendon(curves, muscle, parameters) for muscle, curves in curves_by_muscle(dataset).items()}
+    first = next(iter(tendons.values()))
+    if all(other == first for other in tendons.values()):
+        tendons = {"": first}
+    rows = -(-len(tendons) // _PANELS)
+    columns = -(-len(tendons) // rows)
+    figure = Figure(figsize=(style.COLUMN * columns, 2.5 * rows), layout="constrained")
+    panels = list(figure.subplots(rows, columns, squeeze=False).flat)
+    for spare in panels[len(tendons) :]:
+        spare.remove()
+    for axes, (muscle, shown) in zip(panels, tendons.items(), strict=False):
+        _tendon_curve(axes, shown, muscle[-1] if muscle in MUSCLES else f",{muscle}" if muscle else "j")
     return figure
 
 
 def reference(dataset: xr.Dataset) -> Figure:
-    """The reference, if there is one, the measured position and the true one."""
+    """The reference, if there is one, the measured position and the true one; of a mechanism all that is led."""
+    return _led(dataset) if "joint" in dataset else _position(dataset)
+
+
+def _led(dataset: xr.Dataset) -> Figure:
+    """What follows a reference, a row each, and of a point's first two coordinates the path; else all joints."""
+    time, places = _time(dataset), dataset.place.values.tolist() if "place" in dataset else []
+    shown = places or dataset.joint.values.tolist()
+    path = [name for name in places if "." in name][:2]
+    columns = 2 if len(path) > 1 else 1
+    figure = Figure(figsize=(style.PAGE if columns > 1 else style.COLUMN, 0.7 + 1.6 * len(shown)), layout="constrained")
+    grid = figure.add_gridspec(len(shown), columns)
+    for row, name in enumerate(shown):
+        axes = figure.add_subplot(grid[row, 0])
+        if places:
+            line(axes, time, dataset["r"].sel(place=name), style.REFERENCE, "reference")
+            line(axes, time, dataset["at"].sel(place=name), style.TRUE, "true")
+        else:
+            line(axes, time, dataset["y"].sel(sensor=f"{name}.y"), style.MEASURED, "measured")
+            line(axes, time, dataset["x"].sel(state=f"{name}.q"), style.TRUE, "true")
+        _set_time(axes, 0, time[-1])
+        axes.set_ylabel(drawn(name))
+    axes.set_xlabel(SIGNALS["t"].symbol)
+    if len(path) > 1:
+        across = figure.add_subplot(grid[:, 1])
+        for variable, look in (("r", style.REFERENCE), ("at", style.TRUE)):
+            across.plot(*(dataset[variable].sel(place=name).values for name in path), **look)
+        across.set_aspect("equal", "datalim")
+        across.set_xlabel(drawn(path[0]))
+        across.set_ylabel(drawn(path[1]))
+    figure.legend(*axes.get_legend_handles_labels(), loc="outside upper center", ncols=2)
+    return figure
+
+
+def _position(dataset: xr.Dataset) -> Figure:
+    """The same of the pair."""
     figure = Figure(figsize=(style.COLUMN, 2.3), layout="constrained")
     axes, time = figure.subplots(), _time(dataset)
     position, measured = series(dataset, "x1"), dataset["y"].sel(sensor="y1")
@@ -108,7 +151,8 @@ def estimates(dataset: xr.Dataset, quantities: Sequence[str]) -> Figure:
     scales = {quantity: limits(dataset, quantity, end) for quantity in quantities}
     split = any(len(scale) > 1 for scale in scales.values())
     spans = [(0.0, end), (end, time[-1])] if split else [(0.0, time[-1])]
-    figure = Figure(figsize=(style.PAGE, 0.7 + _ROW * len(quantities)), layout="constrained")
+    height = min(_ROW * len(quantities), max(_PAGE, _LEAST * len(quantities)))
+    figure = Figure(figsize=(style.PAGE, 0.7 + height), layout="constrained")
     rows = figure.subplots(len(quantities), len(spans), sharex="col", squeeze=False, width_ratios=[1, 2][-len(spans) :])
     bands = False
     for quantity, row in zip(quantities, rows, strict=True):
@@ -118,7 +162,7 @@ def estimates(dataset: xr.Dataset, quantities: Sequence[str]) -> Figure:
             axes.yaxis.set_major_locator(MaxNLocator(_NUMBERS, steps=[1, 2, 2.5, 5, 10]))
             _set_time(axes, *span)
             bands |= _panel(axes, dataset, quantity)
-        row[0].set_ylabel(SIGNALS[quantity].symbol, rotation=0, ha="right", va="center")
+        row[0].set_ylabel(signal_of(quantity).symbol, rotation=0, ha="right", va="center")
     for axes in rows[-1]:
         axes.set_xlabel(SIGNALS["t"].symbol)
     above(figure, _handles(dataset, quantities, bands))

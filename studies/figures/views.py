@@ -10,7 +10,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ...model.arrays import Array
-from ...model.symbols import ACTIVATIONS, QUANTITIES, hat, muscle_of
+from ...model.symbols import hat, kind_of, muscle_of
+from ..simulate.series import label_of, series
 from .traces import with_margin
 
 Limits = tuple[float, float]
@@ -24,22 +25,10 @@ _SPIKES = 0.005
 _MARGIN = 0.06
 
 
-def series(dataset: xr.Dataset, name: str) -> xr.DataArray:
-    """A quantity or its estimate, such as `x3` or `u1_hat`, out of the Dataset's arrays."""
-    quantity, _, suffix = name.partition("_")
-    group = dataset[hat(_GROUP[quantity]) if suffix else _GROUP[quantity]]
-    if "state" in group.dims:
-        return group.sel(state=quantity)
-    return group.sel(muscle=int(quantity[-1])) if "muscle" in group.dims else group
-
-
-_GROUP = {quantity: quantity if quantity == "Delta" else quantity[0] for quantity in QUANTITIES}
-
-
 def true(dataset: xr.Dataset, quantity: str) -> Array:
     """The true values over time as a panel shows them: an activation up to 1, none where the tendon is slack."""
     values = np.asarray(series(dataset, quantity))
-    if quantity not in ACTIVATIONS:
+    if kind_of(quantity) != "a":
         return values
     # the activation is 0/0 while the tendon is slack
     return np.where(slack(dataset, quantity), np.nan, np.minimum(values, 1))
@@ -47,7 +36,7 @@ def true(dataset: xr.Dataset, quantity: str) -> Array:
 
 def infeasible(dataset: xr.Dataset, quantity: str) -> Flags:
     """True at the times at which a muscle would need an activation above 1 for what it does."""
-    if quantity not in ACTIVATIONS:
+    if kind_of(quantity) != "a":
         return np.zeros(dataset.sizes["time"], dtype=bool)
     return np.asarray(~slack(dataset, quantity) & (series(dataset, quantity).values > 1), dtype=bool)
 
@@ -57,7 +46,7 @@ def slack(dataset: xr.Dataset, quantity: str) -> Flags:
     muscle = muscle_of(quantity)
     if muscle is None:
         return np.zeros(dataset.sizes["time"], dtype=bool)
-    return np.asarray(dataset["taut"].sel(muscle=int(muscle[-1])) == 0, dtype=bool)
+    return np.asarray(dataset["taut"].sel(muscle=label_of(muscle)) == 0, dtype=bool)
 
 
 def start(dataset: xr.Dataset) -> float:
@@ -67,7 +56,7 @@ def start(dataset: xr.Dataset) -> float:
     the whole, are least together.
     """
     time = np.asarray(dataset["time"])
-    shares = [share for quantity in QUANTITIES for share in _errors_to_come(dataset, quantity)]
+    shares = [share for quantity in dataset.quantity.values.tolist() for share in _errors_to_come(dataset, quantity)]
     if not shares or time[-1] == 0:
         return 0.0
     knee = _round_up(time[np.argmin(time / time[-1] + np.mean(shares, axis=0))])

@@ -35,6 +35,7 @@ class Laws:
         self._gain = ca.Function("gain", columns[:3], [ca.vec(ca.densify(ca.jacobian(acc, columns[2])))])
         forces = ca.vertcat(*system.forces(q, Delta, p))
         self._forces = ca.Function("forces", [columns[0], columns[3]], [forces])
+        self._places = {name: ca.Function("place", columns[:1], [at]) for name, at in system.places(q).items()}
 
     def lengths(self, q: Array) -> Array:
         """L_m (… × muscles) at coordinates (… × joints)."""
@@ -51,6 +52,10 @@ class Laws:
     def forces(self, q: Array, Delta: Array) -> Array:
         """Of each joint (… × joints), that make these accelerations."""
         return _mapped(self._forces, [q, Delta])
+
+    def places(self, q: Array) -> dict[str, Array]:
+        """What can follow a reference (…), by name, at coordinates (… × joints)."""
+        return {name: _mapped(function, [q])[..., 0] for name, function in self._places.items()}
 
     def accelerations(self, q: Array, dq: Array, F: Array) -> Array:
         """What tendon forces (… × muscles) make of the joints (… × joints)."""

@@ -97,6 +97,13 @@ class Subject:
         """The pair, if it is one."""
         return self.described if isinstance(self.described, MusclePair) else None
 
+    @property
+    def mechanism(self) -> Mechanism:
+        """The mechanism, which it must be."""
+        if isinstance(self.described, MusclePair):
+            raise ScenarioError("a pair of muscles is no mechanism")
+        return self.described
+
     @functools.cached_property
     def laws(self) -> Laws:
         """What the system says of its numbers."""
@@ -137,13 +144,14 @@ def subject_of(muscles: str | Path | MusclePair | Mechanism | Subject) -> Subjec
     if not isinstance(muscles, str | Path | MusclePair | Mechanism):
         raise ScenarioError(f"muscles are a file's name or a pair that was read, not {shown(muscles)}")
     if isinstance(muscles, str | Path):
-        muscles = read_mechanism(muscles) if _has_joints(Path(muscles)) else read_muscles(muscles)
+        muscles = read_mechanism(muscles) if is_mechanism(Path(muscles)) else read_muscles(muscles)
     if isinstance(muscles, MusclePair):
         return pair_subject(muscles)
     return _mechanism_subject(json.dumps(mechanism_file(muscles)))
 
 
-def _has_joints(path: Path) -> bool:
+def is_mechanism(path: Path) -> bool:
+    """Whether a file of muscles is one of a mechanism. ScenarioError if it cannot be read."""
     return "joints" in read_toml(path, LARGEST_FILE)
 
 
@@ -190,6 +198,7 @@ def _mechanism_subject(file: str) -> Subject:
         {name: mechanism.paths[name].scaled(s.length, units) for name in muscles},
         {name: muscle.curves for name, muscle in mechanism.muscles.items()},
         frozenset(name for name, muscle in mechanism.muscles.items() if muscle.pennation),
+        {name: point.scaled(s.length) for name, point in mechanism.points.items()},
     )
     names, columns = _columns(mechanism)
     return Subject(

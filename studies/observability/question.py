@@ -14,7 +14,7 @@ from ...model.block import Block
 from ...model.curves.tendon import Tendon, tendon
 from ...model.plant import plant
 from ...model.symbols import SIGNALS
-from ...model.system import System, pair_system
+from ...model.system import System
 from ...observers.observability import (
     augmented,
     observability_matrix,
@@ -127,7 +127,9 @@ def pose(
     sensors: the paper's by default. order: highest Lie derivative, n − 1 by default. derivatives: 0 for constant
     unknowns, else the unknowns are signals and their derivatives up to this order are coordinates too.
     """
-    system = pair_system(prepared.scenario.curves)
+    system = prepared.system
+    if not system.paper:
+        raise ScenarioError(f"{prepared.scenario.name} is of a mechanism; ask about that by its file, --mechanism")
     period = prepared.value("noise.period") or _PERIOD
     given = {path.removeprefix("plant."): prepared.value(path) for path in prepared.paths.parameters}
     chosen = PAPER_SENSORS if sensors is None else sensors

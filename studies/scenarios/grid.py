@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from ...codegen.memory import Grid
-from ...model.signals.pulses import PULSES
 from ..files.errors import ScenarioError
 
 # a run of 10⁹ steps takes an hour; a million recorded points are 1 GB
@@ -16,8 +15,11 @@ _MOST_POINTS = 1_000_000
 _ROUNDING = 1e-9
 
 
-def time_grid(value: Callable[[str], float]) -> Grid:
-    """The grid in whole steps; ScenarioError if a time is not a multiple of the step, or the run too long."""
+def time_grid(value: Callable[[str], float], pulses: Sequence[str] = ()) -> Grid:
+    """The grid in whole steps, with the pulses named.
+
+    ScenarioError if a time is not a multiple of the step, or the run too long.
+    """
     h, duration = value("step"), value("duration")
     if h > duration:
         raise ScenarioError(f"step = {h:g} must not exceed duration = {duration:g}")
@@ -56,5 +58,5 @@ def time_grid(value: Callable[[str], float]) -> Grid:
         hold=whole("noise.period"),
         # beyond the end there is no window, however far
         window=math.ceil(min(value("score.start") / h * (1 - _ROUNDING), steps + 1)),
-        pulses=tuple(pulse(name) for name in PULSES),
+        pulses=tuple(pulse(name) for name in pulses),
     )

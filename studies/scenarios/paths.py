@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Container, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 from ...model.block import Block, Parameter
-from ...model.curves import Curves, by_muscle
+from ...model.curves import CurveSet
 from ...model.signals.pulses import PULSES
 from ...model.symbols import MUSCLES
 from ..files.errors import ScenarioError
@@ -16,7 +17,7 @@ from ..files.quote import short, shown
 _CHOSEN = "chosen, docs/model.md#scenarios"
 
 # numbers of the run itself; everything else is a parameter of a Block
-RUN: Mapping[str, Parameter] = {
+TIMES: Mapping[str, Parameter] = {
     "duration": Parameter(20.0, "length of the run", "paper, §V", above=0),
     "step": Parameter(
         5e-4, "integration step of RK4; divides noise.period and record", "chosen, docs/model.md#integration", above=0
@@ -26,27 +27,37 @@ RUN: Mapping[str, Parameter] = {
     "noise.period": Parameter(
         0.005, "T_s, how long a noise sample is held; 0 switches the noise off", "paper", least=0
     ),
+}
+# of a run of the pair
+RUN: Mapping[str, Parameter] = {
+    **TIMES,
     **{f"{name}.start": Parameter(0.0, f"{name} begins", _CHOSEN, least=0) for name in PULSES},
     **{f"{name}.stop": Parameter(0.0, f"{name} ends", _CHOSEN, least=0) for name in PULSES},
 }
 
 # `muscle.k` is both `muscle1.k` and `muscle2.k`
-GROUPS = {"muscle": MUSCLES, "pulse": PULSES}
+Groups = Mapping[str, tuple[str, ...]]
+_GROUPS: Groups = {"muscle": MUSCLES, "pulse": PULSES}
 
 
 @dataclass(frozen=True)
 class Paths:
-    """All paths of a scenario, for some Blocks; the values of a Block are in the order of its `p`."""
+    """All paths of a scenario, for some Blocks; the values of a Block are in the order of its `p`.
+
+    run: the numbers of the run itself. members: a name such as `muscle` → all that it stands for in a path.
+    """
 
     blocks: tuple[Block, ...]
     parameters: Mapping[str, Parameter]
+    run: Mapping[str, Parameter]
+    members: Groups
 
     def expand(self, path: str) -> list[str]:
         """The paths that `path` stands for; ScenarioError with the nearest valid names if there is none."""
         if path in self.parameters:
             return [path]
         parts = path.split(".")
-        for group, members in GROUPS.items():
+        for group, members in self.members.items():
             if group in parts:
                 at = parts.index(group)
                 paths = [".".join([*parts[:at], member, *parts[at + 1 :]]) for member in members]
@@ -63,14 +74,14 @@ class Paths:
 
     def is_run(self, path: str) -> bool:
         """Whether it is a number of the run itself, which decides the time grid."""
-        return self.expand(path)[0] in RUN
+        return self.expand(path)[0] in self.run
 
     def nearest(self, path: str) -> list[str]:
         """Paths that look like `path`, best first; if none does, those that end alike."""
         known = [*self.parameters, *self.groups()]
         close = difflib.get_close_matches(short(path), known, n=3)
         last = path.rpartition(".")[2]
-        return close or [name for name in known if name.rpartition(".")[2] == last][:3] or list(RUN)
+        return close or [name for name in known if name.rpartition(".")[2] == last][:3] or list(self.run)
 
     def is_section(self, path: str) -> bool:
         """Whether there are paths below `path`, such as those of `[plant]`."""
@@ -80,7 +91,7 @@ class Paths:
         """The paths that set several numbers at once, and what they set."""
         return {
             path.replace(members[0], group, 1): parameter
-            for group, members in GROUPS.items()
+            for group, members in self.members.items()
             for path, parameter in self.parameters.items()
             if members[0] in path.split(".")
         }
@@ -101,27 +112,39 @@ class Paths:
         """The numbers of `block`."""
         return [self.value(path, given) for path in block_paths(block)]
 
-    def check(self, curves: Curves, given: Mapping[str, float]) -> None:
-        """ScenarioError if the curves of any Block make no sense with these numbers."""
-        sets = by_muscle(curves)
+    def check(self, curves: Mapping[str, CurveSet], given: Mapping[str, float]) -> None:
+        """ScenarioError if the curves of any Block, by muscle, make no sense with these numbers."""
         for block in self.blocks:
             for prefix in [path.removesuffix(".L_slack") for path in block_paths(block) if path.endswith(".L_slack")]:
-                curve_set = sets[prefix.rpartition(".")[2]]
+                curve_set = curves[prefix.rpartition(".")[2]]
                 numbers = {key: self.value(f"{prefix}.{key}", given) for key in curve_set.tendon}
                 if objection := curve_set.objection(numbers):
                     raise ScenarioError(f"{prefix}: {objection}")
 
 
-def paths_of(blocks: Iterable[Block]) -> Paths:
-    """The table of the Blocks given; the truth's paths have no prefix, those of others begin with their name."""
+def paths_of(
+    blocks: Iterable[Block],
+    run: Mapping[str, Parameter] = RUN,
+    members: Groups = _GROUPS,
+    usual: Mapping[str, float] = MappingProxyType({}),
+) -> Paths:
+    """The table of the Blocks given; the truth's paths have no prefix, those of others begin with their name.
+
+    usual: path → what the number is where the default of the Block is not meant.
+    """
     blocks = tuple(blocks)
-    paths = dict(RUN)
+    paths = dict(run)
+
+    def add(path: str, parameter: Parameter) -> None:
+        if path not in paths:
+            paths[path] = replace(parameter, default=usual[path]) if path in usual else parameter
+
     for block in blocks:
         for path, parameter in zip(block_paths(block), block.parameters.values(), strict=True):
-            paths.setdefault(path, parameter)
+            add(path, parameter)
             if parameter.shared:
-                paths.setdefault(parameter.shared, parameter)
-    return Paths(blocks, paths)
+                add(parameter.shared, parameter)
+    return Paths(blocks, paths, run, members)
 
 
 def block_paths(block: Block) -> list[str]:

@@ -3,23 +3,25 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from ...codegen.loop import Loop
 from ...codegen.memory import Grid
-from ...model.symbols import MUSCLES, QUANTITIES, hat
+from ...model.symbols import hat
+from ...model.system import System
 from ...observers import PAPER, Observer
 from ...observers.score import MEASURES
 from ..files.errors import ScenarioError
 from ..files.numbers import switch
+from ..files.quote import shown
 from .grid import time_grid
 from .layers import Value, layers
-from .loops import all_paths, paper_loop
-from .observers import Observers, compiled_with, observers_named, own_among
+from .observers import Observers, observers_named, own_among
 from .paths import Paths
-from .scenario import Scenario, choices, curves_of, scenario
+from .scenario import Scenario, choices, scenario
+from .world import named_mechanism, world_of
 
 BASELINE = "baseline"
 
@@ -37,6 +39,13 @@ class Prepared:
     grid: Grid
     chosen: Mapping[str, Observer]
     corrected: bool  # the layers of sliding mode observers
+    quantities: tuple[str, ...]
+    measures: tuple[str, ...]
+
+    @property
+    def system(self) -> System:
+        """The joints and muscles."""
+        return self.scenario.world.system
 
     @property
     def observers(self) -> tuple[str, ...]:
@@ -73,19 +82,33 @@ def prepare(
     source: str | Path,
     observers: Observers,
     changes: Mapping[str, Value],
-    quantities: tuple[str, ...] = QUANTITIES,
-    measures: tuple[str, ...] = MEASURES,
+    quantities: Sequence[str] | None = None,
+    measures: Sequence[str] = MEASURES,
     corrected: bool = False,
 ) -> Prepared:
     """Everything of a run that can be wrong before it starts. ScenarioError says what is.
 
-    quantities, measures: what is scored, and how; corrected: the layers of sliding mode observers.
+    quantities, measures: what is scored, and how, all by default; corrected: the layers of sliding mode observers.
     """
     name, stacked = layers(source, changes)
-    chosen = observers_named(observers)
-    curves = curves_of(choices(stacked))
-    paths = all_paths(tuple(own_among(chosen).values()), curves, switch("corrected", corrected))
-    return assemble(scenario(name, stacked, paths), chosen, quantities, measures, corrected)
+    chosen, mechanism = observers_named(observers), named_mechanism(stacked)
+    world = world_of(choices(stacked, mechanism), mechanism)
+    # in the order of the tables, whatever the order asked for; the RMSE is always among the measures
+    known = world.system.quantities
+    scored = _scored("quantity", known if quantities is None else quantities, known)
+    taken = _scored("measure", ["rmse", *measures], MEASURES)
+    paths = world.paths(tuple(own_among(chosen).values()), switch("corrected", corrected))
+    return assemble(scenario(name, stacked, paths, mechanism), chosen, scored, taken, corrected)
+
+
+def _scored(what: str, names: Sequence[str], known: Sequence[str]) -> tuple[str, ...]:
+    """Those of `known` that are named. ScenarioError if another one is, or none."""
+    for name in names:
+        if name not in known:
+            raise ScenarioError(f"unknown {what} {shown(name)}; there are {', '.join(known)}")
+    if not names:
+        raise ScenarioError(f"a sweep needs at least one {what}")
+    return tuple(name for name in known if name in names)
 
 
 def _spelled(value: object) -> str:
@@ -95,16 +118,17 @@ def _spelled(value: object) -> str:
 def assemble(
     checked: Scenario,
     chosen: Mapping[str, Observer],
-    quantities: tuple[str, ...] = QUANTITIES,
-    measures: tuple[str, ...] = MEASURES,
+    quantities: tuple[str, ...],
+    measures: tuple[str, ...],
     corrected: bool = False,
 ) -> Prepared:
     """The Blocks that run a scenario; ScenarioError for numbers that do not fit together."""
-    paths = all_paths(tuple(own_among(chosen).values()), checked.curves, corrected)
-    paths.check(checked.curves, checked.given)
-    loop = paper_loop(checked.drive, checked.curves, compiled_with(chosen), corrected, None, quantities, measures)
-    grid = time_grid(lambda path: paths.value(path, checked.given))
-    prepared = Prepared(checked, loop, paths, grid, chosen, corrected)
+    world = checked.world
+    paths = world.paths(tuple(own_among(chosen).values()), corrected)
+    paths.check(world.system.curves, checked.given)
+    loop = world.loop(chosen, corrected, quantities, measures)
+    grid = time_grid(lambda path: paths.value(path, checked.given), world.pulses)
+    prepared = Prepared(checked, loop, paths, grid, chosen, corrected, quantities, measures)
     _check_force_factors(prepared)
     _check_samples(prepared)
     _check_variables(prepared)
@@ -112,7 +136,7 @@ def assemble(
 
 
 def _check_force_factors(prepared: Prepared) -> None:
-    for muscle in MUSCLES:
+    for muscle in prepared.system.muscles:
         limit, pole = f"{muscle}.z_max", f"{muscle}.g_max"
         if {limit, pole} <= set(prepared.loop.truth.p) and prepared.value(limit) >= prepared.value(pole):
             raise ScenarioError(

@@ -2,41 +2,42 @@
 
 from __future__ import annotations
 
+import json
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from ...model.curves import CURVES, SIMULATED, Curves
-from ...model.plant import DRIVES
-from ...model.symbols import MUSCLES
+import numpy as np
+
 from ..files.errors import ScenarioError
 from ..files.numbers import parse_number, within
 from ..files.numbers import seed as checked_seed
 from ..files.quote import shown, text
+from ..laboratory.subject import Subject, subject_again
 from .layers import SUFFIX, Layer, Value, changes_of
 from .paths import Paths
+from .world import CHOICES, DRIVE, GROUPED, MECHANISM, TRACKS, World, controlled, drives, world_of
 
 _WHOLE = re.compile(r"[+-]?\d{1,20}", re.ASCII)
 
 Numbers = Mapping[str, float]
 
-# the keys of a scenario that are no numbers, and what they may be; the first is the default
-CHOICES: Mapping[str, tuple[str, ...]] = {
-    "plant.drive": tuple(DRIVES),
-    **{f"{muscle}.curves": SIMULATED for muscle in MUSCLES},
-}
-# several at once, before those of one muscle
-_GROUPED = {"muscle.curves": tuple(f"{muscle}.curves" for muscle in MUSCLES)}
 # each path whose value is one of some names, with these names; groups too
 VALID_CHOICES: Mapping[str, tuple[str, ...]] = {
     **CHOICES,
-    **{group: CHOICES[members[0]] for group, members in _GROUPED.items()},
+    **{group: CHOICES[members[0]] for group, members in GROUPED.items()},
 }
+# those whose value is any text
+_TEXTS_OF_MECHANISMS = (MECHANISM, TRACKS)
+TEXTS = ("description", *_TEXTS_OF_MECHANISMS)
 
 
 @dataclass(frozen=True)
 class Scenario:
-    """A name, a sentence, the choices, and the numbers that are given, by path; `changes` are those beside its file."""
+    """A name, a sentence, the choices, and the numbers that are given, by path; `changes` are those beside its file.
+
+    mechanism: what is in its file, as JSON; nothing for the pair.
+    """
 
     name: str
     description: str = ""
@@ -44,37 +45,66 @@ class Scenario:
     choices: Mapping[str, str] = field(default_factory=dict)
     given: Numbers = field(default_factory=dict)
     changes: Mapping[str, object] = field(default_factory=dict)
+    mechanism: str = ""
+
+    @property
+    def world(self) -> World:
+        """What it is about."""
+        return world_of(self.choices, self.mechanism)
 
     @property
     def drive(self) -> str:
         """How the plant is driven."""
-        return self.choices.get("plant.drive", "virtual")
-
-    @property
-    def curves(self) -> Curves:
-        """The curve sets of both muscles."""
-        return curves_of(self.choices)
+        return self.world.choices[DRIVE]
 
 
-def curves_of(choices: Mapping[str, str]) -> Curves:
-    """The curve sets that the choices of a scenario or of a result name."""
-    first, second = (CURVES[choices.get(path, SIMULATED[0])] for path in _GROUPED["muscle.curves"])
-    return first if first is second else (first, second)
+def choices(layers: Sequence[Layer], mechanism: str = "") -> dict[str, str]:
+    """The choices of the layers, the last one above. ScenarioError names the wrong one, and its layer.
 
-
-def choices(layers: Sequence[Layer]) -> dict[str, str]:
-    """The choices of the layers, the last one above. ScenarioError names what is wrong with one, and its layer."""
-    chosen: dict[str, str] = {}
+    mechanism: what is in its mechanism's file as JSON, if it has one.
+    """
+    if not mechanism:
+        return _chosen(layers, (*GROUPED.items(), *((path, (path,)) for path in CHOICES)), VALID_CHOICES)
+    subject = subject_again(json.loads(mechanism))
+    chosen = _chosen(layers, [(DRIVE, (DRIVE,))], {DRIVE: drives(subject)})
     for layer in layers:
         with layer.blamed():
-            for group, members in (*_GROUPED.items(), *((path, (path,)) for path in CHOICES)):
-                if group in layer.leaves:
-                    chosen |= dict.fromkeys(members, _choice(group, layer.leaves[group]))
+            if MECHANISM in layer.leaves:
+                chosen[MECHANISM] = text(MECHANISM, layer.leaves[MECHANISM])
+            if TRACKS in layer.leaves:
+                chosen[TRACKS] = _tracked(text(TRACKS, layer.leaves[TRACKS]), subject)
     return chosen
 
 
-def scenario(name: str, layers: Sequence[Layer], paths: Paths) -> Scenario:
-    """The scenario of the layers, the last one above. ScenarioError names the wrong leaf, and its layer."""
+def _chosen(
+    layers: Sequence[Layer], groups: Iterable[tuple[str, tuple[str, ...]]], valid: Mapping[str, tuple[str, ...]]
+) -> dict[str, str]:
+    chosen: dict[str, str] = {}
+    for layer in layers:
+        with layer.blamed():
+            for group, members in groups:
+                if group in layer.leaves:
+                    chosen |= dict.fromkeys(members, _choice(group, layer.leaves[group], valid[group]))
+    return chosen
+
+
+def _tracked(typed: str, subject: Subject) -> str:
+    """Names of places, with commas between."""
+    names, known = typed.replace(",", " ").split(), subject.laws.places(np.zeros(len(subject.joints)))
+    if unknown := [name for name in names if name not in known]:
+        raise ScenarioError(f"{TRACKS}: {shown(unknown[0])} cannot be led; there are {', '.join(known)}")
+    most = len(controlled(subject))
+    if not 0 < len(set(names)) == len(names) <= most:
+        raise ScenarioError(f"{TRACKS} must be one to {most} places, each once, not {shown(typed)}")
+    return ", ".join(names)
+
+
+def scenario(name: str, layers: Sequence[Layer], paths: Paths, mechanism: str = "") -> Scenario:
+    """The scenario of the layers, the last one above. ScenarioError names the wrong leaf, and its layer.
+
+    mechanism: what is in its mechanism's file as JSON, if it has one.
+    """
+    no_numbers = {*_TEXTS_OF_MECHANISMS, DRIVE} if mechanism else VALID_CHOICES
     description, seed = "", 0
     given: dict[str, float] = {}
     for layer in layers:
@@ -85,11 +115,11 @@ def scenario(name: str, layers: Sequence[Layer], paths: Paths) -> Scenario:
                     description = text(path, value)
                 elif path == "seed":
                     seed = checked_seed(path, value)
-                elif path not in VALID_CHOICES and not _is_empty_section(path, value, paths):
+                elif path not in no_numbers and not _is_empty_section(path, value, paths):
                     numbers[path] = checked_number(path, value, paths)
             given |= paths.spread(numbers)
     changes = {path: value for layer in layers if not layer.origin for path, value in layer.leaves.items()}
-    return Scenario(name, description, seed, choices(layers), given, changes)
+    return Scenario(name, description, seed, choices(layers, mechanism), given, changes, mechanism)
 
 
 def typed_changes(typed: str) -> dict[str, Value]:
@@ -102,7 +132,7 @@ def parse_change(typed: str) -> tuple[str, Value]:
     path, equals, value = typed.partition("=")
     if not equals or not path:
         raise ScenarioError(f"{shown(typed)} is not PATH=VALUE, such as plant.m=1.2")
-    if path in VALID_CHOICES or path == "description":
+    if path in VALID_CHOICES or path in TEXTS:
         return path, value
     number = parse_number(path, value)
     return path, number if path != "seed" else _whole(value)
@@ -117,8 +147,7 @@ def _is_empty_section(path: str, value: object, paths: Paths) -> bool:
     return isinstance(value, dict) and not value and paths.is_section(path)
 
 
-def _choice(path: str, value: object) -> str:
-    valid = VALID_CHOICES[path]
+def _choice(path: str, value: object, valid: tuple[str, ...]) -> str:
     if not isinstance(value, str) or value not in valid:
         raise ScenarioError(f"{path} must be one of {', '.join(valid)}, not {shown(value)}")
     return value

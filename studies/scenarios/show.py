@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from ...model.block import Parameter
 from ..files.toml import toml_value
 from .prepare import prepare
-from .scenario import CHOICES
+from .world import CHOICES, DRIVE, drives
 
 
 def show(source: str) -> str:
@@ -16,10 +16,12 @@ def show(source: str) -> str:
     scenario, paths = prepared.scenario, prepared.paths
     sections: dict[str, list[str]] = {"": [f"description = {toml_value(scenario.description)}"]}
     sections[""].append(f"seed = {scenario.seed}  # of the measurement noise")
-    for path, valid in CHOICES.items():
+    world = scenario.world
+    valid_choices = CHOICES if world.subject is None else {DRIVE: drives(world.subject)}
+    for path, chosen in world.choices.items():
         section, _, key = path.rpartition(".")
-        chosen = scenario.choices.get(path, valid[0])
-        sections.setdefault(section, []).append(f'{key} = "{chosen}"  # one of {", ".join(valid)}')
+        of = f"  # one of {', '.join(valid_choices[path])}" if path in valid_choices else ""
+        sections.setdefault(section, []).append(f"{key} = {toml_value(chosen)}{of}")
     for path, parameter in paths.parameters.items():
         section, _, key = path.rpartition(".")
         line = f"{key} = {prepared.value(path)!r}"

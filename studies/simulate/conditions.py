@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -29,20 +29,26 @@ def gain_conditions(prepared: Prepared, truth: Trace) -> dict[str, list[Checked]
 def facts(prepared: Prepared, truth: Trace) -> dict[str, float]:
     """The FACTS of a run."""
     signal = dict(zip(prepared.loop.truth.y, truth.y.T, strict=True))
-    spacing = prepared.grid.h * prepared.grid.record
+    spacing, system = prepared.grid.h * prepared.grid.record, prepared.system
 
-    def supremum(name: str) -> float:
-        rates = np.abs(np.diff(signal[name])) / spacing
+    def supremum(names: Sequence[str]) -> float:
+        rates = np.abs(np.diff([signal[name] for name in names])) / spacing
         return float(np.nanmax(rates)) if np.isfinite(rates).any() else math.nan
 
-    largest = float(np.nanmax(np.abs([signal["u1"], signal["u2"]]), initial=0.0))
-    limit = prepared.value("controller.u_max") if prepared.scenario.drive != "given" else 0.0
+    inputs = system.muscle("u")
+    largest = float(np.nanmax(np.abs([signal[name] for name in inputs]), initial=0.0))
+    # that of a mechanism's muscles is part of their speed, and in what they did
+    controlled = system.paper and prepared.scenario.drive != "given"
+    limit = prepared.value("controller.u_max") if controlled else 0.0
+    # of the pair each muscle's own, else the largest of all
+    rates = {f"sup_du{j}": supremum(inputs[j - 1 : j] if system.paper else inputs) for j in (1, 2)}
     return {
         "h": prepared.grid.h,
         "U_m": max(limit, largest),
         "f_plus": _F_PLUS,
         "p": _P,
-        **{f"sup_d{name}": supremum(name) for name in ("Delta", "u1", "u2")},
+        "sup_dDelta": supremum(system.joint("Delta")),
+        **rates,
     }
 
 
@@ -51,4 +57,4 @@ def conditions_of(prepared: Prepared) -> Iterator[tuple[Block, list[Condition], 
     for block in prepared.loop.observers:
         if block.name in prepared.observers and block.name in OBSERVERS:
             p, about = symbols(block.p), symbols(FACTS)
-            yield block, OBSERVERS[block.name].conditions(p, about), Symbols({**p, **about})
+            yield block, OBSERVERS[block.name].conditions(prepared.system, p, about), Symbols({**p, **about})

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -11,16 +12,18 @@ import xarray as xr
 from ...codegen.batch import Trace
 from ...codegen.failure import Failure
 from ...model.arrays import Array
-from ...model.symbols import MEASURED, QUANTITIES, SIGNALS, STATES, hat
+from ...model.symbols import SIGNALS, hat
 from ...observers.behind.spread import SPREADS, sd
 from ..files.versions import versions
-from ..scenarios.paths import RUN, block_paths
+from ..scenarios.paths import block_paths
 from ..scenarios.prepare import BASELINE, Prepared
-from ..scenarios.scenario import CHOICES
 from .conditions import gain_conditions
 from .failures import observer_failure, plant_failure
 from .measures import SENTENCES, measures
+from .schema import FILE
 from .step_error import about_error, error_of, step_error
+
+Variable = tuple[tuple[str, ...], np.ndarray[Any, Any], dict[str, str]]
 
 
 def dataset(
@@ -30,7 +33,7 @@ def dataset(
 
     halved: the score of each estimator in the same run at half the step; library: names the code that ran.
     """
-    loop, grid = prepared.loop, prepared.grid
+    loop, grid, system = prepared.loop, prepared.grid, prepared.system
     truth, n = traces["truth"], grid.steps // grid.record + 1
     signal = dict(zip(loop.truth.y, truth.y.T, strict=True))
     observers, estimators = list(prepared.observers), [*prepared.observers, BASELINE]
@@ -51,26 +54,31 @@ def dataset(
     def true(names: Sequence[str]) -> Array:
         return np.stack([signal[name] for name in names], axis=1)
 
-    data: dict[str, tuple[tuple[str, ...], Array, dict[str, str]]] = {
-        "x": (("time", "state"), true(STATES), about("true states")),
-        "u": (("time", "muscle"), true(("u1", "u2")), about("true virtual inputs: minus the fibre velocities")),
-        "a": (("time", "muscle"), true(("a1", "a2")), about("true activations")),
-        "Delta": (("time",), signal["Delta"], about(SIGNALS["Delta"].sentence)),
-        "y": (("time", "sensor"), traces[loop.sensors.name].y, about("measured position and tendon forces")),
-        "taut": (("time", "muscle"), true(("taut1", "taut2")), about("1 while the tendon carries force")),
-        "x_hat": (("observer", "time", "state"), hats(STATES), about("estimated states")),
-        "u_hat": (("observer", "time", "muscle"), hats(("u1", "u2")), about("estimated virtual inputs")),
-        "a_hat": (("observer", "time", "muscle"), hats(("a1", "a2")), about("estimated activations, within [0, 1]")),
-        "Delta_hat": (("observer", "time"), hats(("Delta",))[:, :, 0], about("estimated uncertainty")),
+    u, a, Delta = system.muscle("u"), system.muscle("a"), system.joint("Delta")
+
+    def of_joint(dims: tuple[str, ...], values: Array, sentence: str) -> Variable:
+        # a pair's one position needs no dimension for joints
+        return (dims, values[..., 0], about(sentence)) if system.paper else ((*dims, "joint"), values, about(sentence))
+
+    data: dict[str, Variable] = {
+        "x": (("time", "state"), true(system.states), about("true states")),
+        "u": (("time", "muscle"), true(u), about("true virtual inputs: minus the fibre velocities")),
+        "a": (("time", "muscle"), true(a), about("true activations")),
+        "Delta": of_joint(("time",), true(Delta), SIGNALS["Delta"].sentence),
+        "y": (("time", "sensor"), traces[loop.sensors.name].y, about("measured positions and tendon forces")),
+        "taut": (("time", "muscle"), true(system.muscle("taut")), about("1 while the tendon carries force")),
+        "x_hat": (("observer", "time", "state"), hats(system.states), about("estimated states")),
+        "u_hat": (("observer", "time", "muscle"), hats(u), about("estimated virtual inputs")),
+        "a_hat": (("observer", "time", "muscle"), hats(a), about("estimated activations, within [0, 1]")),
+        "Delta_hat": of_joint(("observer", "time"), hats(Delta), "estimated uncertainty"),
     }
     if any(set(SPREADS) <= set(names) for names in outputs.values()):
-        for variable, names in (("x", STATES), ("u", ("u1", "u2")), ("a", ("a1", "a2")), ("Delta", ("Delta",))):
+        for variable, names in (("x", system.states), ("u", u), ("a", a), ("Delta", Delta)):
             dims, _, attributes = data[f"{variable}_hat"]
             values = told([sd(name) for name in names])
             values = values if len(dims) == values.ndim else values[..., 0]
             data[sd(variable)] = (dims, values, about(f"standard deviation of the {attributes['long_name']}"))
-    if "r" in signal:
-        data["r"] = (("time",), signal["r"], about(SIGNALS["r"].sentence))
+    data |= _led(prepared, signal)
     states = {block.name: list(block.x) for block in loop.observers}
     for variable, observer, state in prepared.further_states():
         meaning = SIGNALS[state].sentence if state in SIGNALS else f"state {state}"
@@ -80,25 +88,48 @@ def dataset(
     if truth.failure:  # the sums stop with the truth, they are no measures of the run
         scores = {name: dict.fromkeys(sums, np.nan) for name, sums in scores.items()}
     blocks = {block.name: block for block in loop.observers}
-    errors = {name: measures(sums, grid.of(blocks[name])) for name, sums in scores.items()}
-    finer = {name: measures(sums, grid.halved().of(blocks[name])) for name, sums in halved.items()}
+    errors = {name: measures(sums, grid.of(blocks[name]), system.quantities) for name, sums in scores.items()}
+    finer = {name: measures(sums, grid.halved().of(blocks[name]), system.quantities) for name, sums in halved.items()}
     for measure, sentence in SENTENCES.items():
         values, at_half = (
-            np.array([[of[e][measure][q] for q in QUANTITIES] for e in estimators]) for of in (errors, finer)
+            np.array([[of[e][measure][q] for q in system.quantities] for e in estimators]) for of in (errors, finer)
         )
         data[measure] = (("estimator", "quantity"), values, about(sentence))
         data[error_of(measure)] = (("estimator", "quantity"), step_error(values, at_half), about_error(measure))
     time = np.arange(n) * (grid.record * grid.h)
+    subject = prepared.scenario.world.subject
+    if subject:
+        about_file = {"long_name": "the mechanism in SI, as JSON"}
+        data["Phi_S"] = (("time", "muscle"), true(system.muscle("Phi_S")), about("true tendon forces"))
+        data[FILE] = ((), np.array(prepared.scenario.mechanism), about_file)
     coordinates = {
         "time": ("time", time, about("time τ")),
-        "state": list(STATES),
-        "muscle": [1, 2],
-        "sensor": list(MEASURED),
+        "state": list(system.states),
+        "muscle": list(subject.labels if subject else (1, 2)),
+        "sensor": list(system.measured),
+        **({"joint": list(system.joints)} if subject else {}),
         "observer": observers,
         "estimator": estimators,
-        "quantity": list(QUANTITIES),
+        "quantity": list(system.quantities),
     }
     return xr.Dataset(data, coordinates, _manifest(prepared, traces, library))
+
+
+def _led(prepared: Prepared, signal: Mapping[str, Array]) -> dict[str, Variable]:
+    """The reference, if there is one; of a mechanism also where what follows it is."""
+    subject = prepared.scenario.world.subject
+    if subject is None:
+        return {"r": (("time",), signal["r"], about(SIGNALS["r"].sentence))} if "r" in signal else {}
+    led = {name.removeprefix("r."): values for name, values in signal.items() if name.startswith("r.")}
+    if not led:
+        return {}
+    places = subject.laws.places(np.stack([signal[name] for name in prepared.system.joint("q")], axis=-1))
+    dims = ("time", "place")
+    return {
+        "place": (("place",), np.array(list(led)), {"long_name": "what is led along the reference"}),
+        "r": (dims, np.stack(list(led.values()), axis=-1), about("reference")),
+        "at": (dims, np.stack([places[name] for name in led], axis=-1), about("where it is")),
+    }
 
 
 def about(sentence: str) -> dict[str, str]:
@@ -134,12 +165,17 @@ def repeatable(prepared: Prepared) -> dict[str, str]:
     """All numbers and choices of a run, and the versions that ran it, as text for NetCDF."""
     scenario, table = prepared.scenario, prepared.paths
     used = [path for block in prepared.loop.blocks for path in block_paths(block)]
-    values = {path: prepared.value(path) for path in dict.fromkeys([*table.parameters, *used])}
+    # of a mechanism each number once: what shares one has it
+    paths = [path for path in table.parameters if prepared.system.paper or table.origin(path, scenario.given) == path]
+    values = {path: prepared.value(path) for path in dict.fromkeys([*paths, *(used if prepared.system.paper else ())])}
+    subject = scenario.world.subject
+    s = subject.scales if subject else None
     return {
+        **({"scales": json.dumps({"length": s.length, "force": s.force, "rate": s.rate})} if s else {}),
         "Conventions": "CF-1.11",
         "scenario": scenario.name,
         "description": scenario.description,
-        "choices": json.dumps({key: scenario.choices.get(key, valid[0]) for key, valid in CHOICES.items()}),
+        "choices": json.dumps(dict(scenario.world.choices)),
         "parameters": json.dumps(values),
         "changed": json.dumps(dict(scenario.given)),
         "corrected": json.dumps(prepared.corrected),
@@ -150,7 +186,7 @@ def repeatable(prepared: Prepared) -> dict[str, str]:
 def _unused(prepared: Prepared) -> list[str]:
     """What the scenario gives in vain: numbers that no Block of this loop takes, unless they are the usual ones."""
     blocks, given = prepared.loop.blocks, prepared.scenario.given
-    used = {*RUN, *(path for block in blocks for path in block_paths(block))}
+    used = {*prepared.paths.run, *(path for block in blocks for path in block_paths(block))}
     used |= {parameter.shared for block in blocks for parameter in block.parameters.values()}
     usual = {path: prepared.paths.value(path, {p: v for p, v in given.items() if p != path}) for path in given}
     return [path for path, value in given.items() if path not in used and value != usual[path]]

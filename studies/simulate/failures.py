@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ...codegen.failure import Failure
+from ...model.plant import STIFFNESS
 
 
 def observer_failure(name: str, failure: Failure, at: str, violated: Sequence[str], likely: str) -> str:
@@ -19,6 +20,11 @@ def observer_failure(name: str, failure: Failure, at: str, violated: Sequence[st
 def plant_failure(failure: Failure) -> str:
     """Of the truth of a simulation."""
     at = f"at τ = {failure.time:g}"
+    if failure.name == STIFFNESS:
+        return (
+            f"the plant: {at} a tendon comes to rest at a rate above {failure.limit:.3g}, faster than the step "
+            "resolves; try a smaller step"
+        )
     if failure.group != "domain":
         return (
             f"the plant: {_beyond(failure, at)}; the parameters or the reference ask for more than the muscles can give"

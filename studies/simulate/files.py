@@ -7,50 +7,69 @@ from pathlib import Path
 
 import xarray as xr
 
-from ...model.symbols import MEASURED, STATES, hat
+from ...model.symbols import hat, kind_of, owner_of
 from ..files.datasets.netcdf import save_netcdf
 from ..files.tables import Series, csv_text, or_empty, write_csv
 from ..files.writing import write_whole
 from .measures import SENTENCES
+from .recording import recording_columns
+from .schema import FILE
+from .series import series
 
-# an observer's estimates in the order of a CSV file; its further states follow
-_ESTIMATES = ("x1_hat", "x2_hat", "Delta_hat", "x3_hat", "u1_hat", "x4_hat", "u2_hat")
 
-
-def run_paths(folder: Path, stem: str) -> list[Path]:
-    """The files of the run that is called `stem`: NetCDF, time series, measures."""
-    return [folder / f"{stem}{ending}" for ending in (".nc", ".csv", "-measures.csv")]
+def run_paths(folder: Path, stem: str, mechanism: bool) -> list[Path]:
+    """The files of the run that is called `stem`: NetCDF, time series, measures, and of a mechanism a recording."""
+    endings = [".nc", ".csv", "-measures.csv", *["-recording.csv"] * mechanism]
+    return [folder / f"{stem}{ending}" for ending in endings]
 
 
 def save(dataset: xr.Dataset, folder: Path) -> list[Path]:
-    """The Dataset as NetCDF, its time series and its measures as CSV; the paths written."""
-    paths = run_paths(folder, dataset.attrs["run"])
+    """The Dataset as NetCDF, its time series and its measures as CSV; the paths written.
+
+    That of a mechanism as a recording too, which `estimate` reads.
+    """
+    mechanism = FILE in dataset
+    paths = run_paths(folder, dataset.attrs["run"], mechanism)
     save_netcdf(dataset, paths[0])
     write_csv(paths[1], list(columns(dataset)))
     write_whole(paths[2], measures_csv(dataset).encode())
+    if mechanism:
+        write_csv(paths[3], list(recording_columns(dataset)))
     return paths
 
 
 def columns(dataset: xr.Dataset) -> Iterator[Series]:
     """The columns of the time series, in order; everything is dimensionless, so names stand alone."""
-    observers = dataset.observer.values.tolist()
+    observers, quantities = dataset.observer.values.tolist(), dataset.quantity.values.tolist()
+    states = dataset.state.values.tolist()
+    activations = [name for name in quantities if kind_of(name) == "a"]
+    inputs = [name for name in quantities if name not in states and name not in activations]
+    # what belongs to the same joint or muscle stands together
+    owners = list(dict.fromkeys(map(owner_of, quantities)))
+    estimated = sorted([*states, *inputs], key=lambda name: (owners.index(owner_of(name)), quantities.index(name)))
+    # inputs of muscles stand before those of joints
+    inputs.sort(key=lambda name: kind_of(name) != "u")
     yield _series("t", dataset.time)
-    for state in STATES:
+    for state in states:
         yield _series(state, dataset.x.sel(state=state))
     for observer in observers:
-        for name in _ESTIMATES:
-            yield _series(f"{observer}.{name}", _estimate(dataset, observer, name))
+        of = dataset.sel(observer=observer)
+        for name in estimated:
+            yield _series(f"{observer}.{hat(name)}", series(of, hat(name)))
         for variable in dataset.data_vars.values():
             if variable.attrs.get("observer") == observer:
                 yield _series(f"{observer}.{variable.attrs['state']}", variable)
-    for name in ("u1", "u2", "Delta", "a1", "a2"):
-        yield _series(name, _truth(dataset, name))
+    for name in [*inputs, *activations]:
+        yield _series(name, series(dataset, name))
     for observer in observers:
-        for name in ("a1_hat", "a2_hat"):
-            yield _series(f"{observer}.{name}", _estimate(dataset, observer, name))
-    for name in MEASURED:
+        for name in activations:
+            yield _series(f"{observer}.{hat(name)}", series(dataset.sel(observer=observer), hat(name)))
+    for name in dataset.sensor.values.tolist():
         yield _series(name, dataset.y.sel(sensor=name))
-    if "r" in dataset:
+    if "place" in dataset:
+        for name in dataset.place.values.tolist():
+            yield _series(f"r.{name}", dataset.r.sel(place=name))
+    elif "r" in dataset:
         yield _series("r", dataset.r)
 
 
@@ -64,18 +83,6 @@ def measures_csv(dataset: xr.Dataset) -> str:
         for quantity in dataset.quantity.values
     ]
     return csv_text([["scenario", "seed", "observer", "quantity", *keys], *rows])
-
-
-def _truth(dataset: xr.Dataset, name: str) -> xr.DataArray:
-    return dataset["Delta"] if name == "Delta" else dataset[name[0]].sel(muscle=int(name[1]))
-
-
-def _estimate(dataset: xr.Dataset, observer: str, name: str) -> xr.DataArray:
-    of = dataset.sel(observer=observer)
-    quantity = name.removesuffix(hat(""))
-    if quantity == "Delta":
-        return of["Delta_hat"]
-    return of["x_hat"].sel(state=quantity) if quantity in STATES else of[hat(quantity[0])].sel(muscle=int(quantity[1]))
 
 
 def _series(name: str, array: xr.DataArray) -> Series:

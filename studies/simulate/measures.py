@@ -9,8 +9,7 @@ from numpy.typing import ArrayLike
 
 from ...codegen.memory import Grid
 from ...model.arrays import Array
-from ...model.symbols import QUANTITIES
-from ...observers.score import CHATTERING, counted_with
+from ...observers.score import chatters, counted_with
 
 # measure → what it is; a recorded run has all, a sweep those of the score
 SENTENCES: Mapping[str, str] = {
@@ -25,7 +24,7 @@ SENTENCES: Mapping[str, str] = {
 def measures(
     score: Mapping[str, ArrayLike],
     grid: Grid,
-    quantities: Sequence[str] = QUANTITIES,
+    quantities: Sequence[str],
     names: Sequence[str] = tuple(SENTENCES),
 ) -> dict[str, dict[str, Array]]:
     """Measure → quantity → how well it was estimated, in one run or many on `grid`; NaN where it is not defined.
@@ -49,7 +48,7 @@ def measures(
             return np.where(settling > end - h / 2, np.nan, settling)
         if measure == "masked":
             return (window_points - sums[f"{owner}.count"]) * h
-        if name not in CHATTERING:
+        if not chatters(name):
             return np.full_like(next(iter(sums.values())), np.nan)
         # mean |v̂((k+1)T_s) − v̂(k T_s)|
         return _ratio(sums[f"{name}.chatter"], sums[f"{owner}.pairs"])

@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 
+import numpy as np
 import xarray as xr
 
-from ...model.curves import Curves, by_muscle
+from ...model.curves import Curves, CurveSet, by_muscle
 from ...model.symbols import MEASURED, STATES
-from ..files.datasets.schema import FLOATS, TEXTS, WHOLES, Schema, rising
+from ..files.datasets.schema import FLOATS, TEXTS, WHOLES, Schema, read_json, rising
 from ..files.errors import ResultError, ScenarioError
 from ..files.numbers import within
-from ..scenarios.scenario import CHOICES, curves_of
+from ..laboratory.subject import subject_again
+from ..scenarios.world import CHOICES, curves_of
 
+# the variable with what is in a mechanism's file
+FILE = "muscle_file"
 _TIME, _BY_OBSERVER = ("time",), ("observer", "time")
 
 RUN = Schema(
@@ -39,9 +44,56 @@ RUN = Schema(
 
 def check_run(dataset: xr.Dataset) -> None:
     """ResultError says why a Dataset is no run."""
+    if FILE in dataset:
+        _check_run_of_mechanism(dataset)
+        return
     attributes = RUN.check(dataset)
     rising(dataset, "time")
     check_curves(chosen_curves(attributes["choices"]), attributes["parameters"])
+
+
+def _check_run_of_mechanism(dataset: xr.Dataset) -> None:
+    """The same of a mechanism: joints and muscles are those of its file."""
+    content = read_json(FILE, str(dataset[FILE].values), dict)
+    try:
+        subject = subject_again(content)
+    except ScenarioError as error:
+        raise ResultError(f"its {FILE}: {error}") from error
+    system = subject.system
+    if system.paper:
+        raise ResultError(f"its {FILE} is of a pair")
+    led = {"r": ((*_TIME, "place"), FLOATS), "at": ((*_TIME, "place"), FLOATS)} if "place" in dataset else {}
+    Schema(
+        variables={
+            **{name: about for name, about in RUN.variables.items() if name != "muscle"},
+            "muscle": (("muscle",), TEXTS),
+            "joint": (("joint",), TEXTS),
+            "Delta": ((*_TIME, "joint"), FLOATS),
+            "Delta_hat": ((*_BY_OBSERVER, "joint"), FLOATS),
+            "Phi_S": ((*_TIME, "muscle"), FLOATS),
+            **led,
+        },
+        labels={
+            "state": system.states,
+            "muscle": system.muscles,
+            "joint": system.joints,
+            "sensor": system.measured,
+            "quantity": system.quantities,
+            "observer": None,
+        },
+        attributes={**RUN.attributes, "scales": {"length": float, "force": float, "rate": float}},
+    ).check(dataset)
+    places = subject.laws.places(np.zeros(len(system.joints)))
+    if led and not set(dataset.place.values.tolist()) <= set(places):
+        raise ResultError("its place names something that the mechanism has not")
+    rising(dataset, "time")
+
+
+def curves_by_muscle(dataset: xr.Dataset) -> dict[str, CurveSet]:
+    """The curve set of each muscle of a run, by its name."""
+    if FILE in dataset:
+        return dict(subject_again(json.loads(str(dataset[FILE].values))).system.curves)
+    return by_muscle(curves_of(json.loads(dataset.attrs["choices"])))
 
 
 def chosen_curves(choices: Mapping[str, str]) -> Curves:

@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from ...model.arrays import Array
-from ...model.symbols import QUANTITIES
+from ...model.symbols import QUANTITIES, kind_of
 from .axes import Axes
 
 
@@ -23,7 +23,12 @@ def axes_of(dataset: xr.Dataset) -> Axes:
 def shown_of(dataset: xr.Dataset, usual: Sequence[str]) -> list[str]:
     """The quantities to show: the usual ones of all, or those that were asked for."""
     there: list[str] = dataset.quantity.values.tolist()
-    return list(usual) if len(there) == len(QUANTITIES) else there
+    if len(there) == len(QUANTITIES) and there[0] in QUANTITIES:
+        return list(usual)
+    # of a mechanism those of the same kinds
+    kinds = {kind_of(name) for name in usual}
+    whole = there[0] not in QUANTITIES and {*map(kind_of, there)} >= {*map(kind_of, QUANTITIES)}
+    return [name for name in there if kind_of(name) in kinds] if whole else there
 
 
 def failed(dataset: xr.Dataset) -> xr.DataArray:
@@ -113,8 +118,8 @@ def optimum(dataset: xr.Dataset, median: xr.DataArray, observer: str) -> Optimum
 
 
 def smallest(dataset: xr.Dataset, median: xr.DataArray, observer: str) -> Optimum | None:
-    """The smallest of `median` (…), a part of what was swept; None if there are no numbers."""
-    if not median.notnull().any():
+    """The smallest of `median` (…), a part of what was swept; None if there are no numbers, or all are the same."""
+    if not median.notnull().any() or (median.size > 1 and bool((median == median.values.flat[0]).all())):
         return None
     places = {dim: int(place) for dim, place in median.argmin(...).items()} if median.dims else {}
     least = median.isel(places)

@@ -15,13 +15,12 @@ from numpy.typing import NDArray
 from ...codegen.memory import Grid
 from ...model.arrays import Array
 from ...model.block import Block
-from ...model.symbols import QUANTITIES
 from ...observers import OBSERVERS
 from ...observers.score import MEASURES
 from ..files.errors import ScenarioError
 from ..files.numbers import seeds as listed_seeds
 from ..files.numbers import whole
-from ..files.quote import shown, table
+from ..files.quote import table
 from ..scenarios.grid import time_grid
 from ..scenarios.layers import Value
 from ..scenarios.observers import Observers
@@ -55,9 +54,17 @@ class Plan:
     axes: Axes
     seeds: Seeds
     observers: tuple[str, ...]
-    quantities: tuple[str, ...]
-    measures: tuple[str, ...]
     part: int  # runs that are computed, kept and counted together
+
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """What is scored."""
+        return self.prepared.quantities
+
+    @property
+    def measures(self) -> tuple[str, ...]:
+        """How it is scored."""
+        return self.prepared.measures
 
     @property
     def runs(self) -> int:
@@ -119,7 +126,7 @@ class Plan:
         """What determines the numbers, by name."""
         scenario = self.prepared.scenario
         return {
-            "scenario": [dict(scenario.choices), dict(scenario.given)],
+            "scenario": [dict(scenario.choices), dict(scenario.given), *filter(None, [scenario.mechanism])],
             "axes": [self.axes.kind, *zip(self.axes.paths, (v.tolist() for v in self.axes.values), strict=True)],
             "seeds": self.seeds.tolist(),
             "observers": list(self.observers),
@@ -129,7 +136,7 @@ class Plan:
 
     def _grid(self, given: Mapping[str, float]) -> Grid:
         numbers = {**self.prepared.scenario.given, **self.prepared.paths.spread(given)}
-        return time_grid(lambda path: self.prepared.paths.value(path, numbers))
+        return time_grid(lambda path: self.prepared.paths.value(path, numbers), self.prepared.scenario.world.pulses)
 
     def reach(self, block: Block) -> list[tuple[int, list[int]]]:
         """For each axis, the places among the numbers of `block` that it sets."""
@@ -149,7 +156,7 @@ def plan(
     changes: Mapping[str, Value] | None = None,
     kind: str = "grid",
     samples: int = 0,
-    quantities: Sequence[str] = QUANTITIES,
+    quantities: Sequence[str] | None = None,
     measures: Sequence[str] = MEASURES,
     corrected: bool = False,
 ) -> Plan:
@@ -158,29 +165,17 @@ def plan(
     if "seed" in changes:
         raise ScenarioError("a sweep has seeds of its own; use seeds, not a change of seed")
     asked, estimators = _observers(observers, over)
-    # in the order of the tables, whatever the order asked for; the RMSE is always among the measures
-    scored = _chosen("quantity", quantities, QUANTITIES), _chosen("measure", ["rmse", *measures], MEASURES)
-    prepared = prepare(source, asked, changes, *scored, corrected)
+    prepared = prepare(source, asked, changes, quantities, measures, corrected)
     swept = axes(over, kind, samples)
     for path, values in zip(swept.paths, swept.values, strict=True):
         if path in ("seed", "record") or not prepared.paths.expand(path):
             raise ScenarioError(f"{path} cannot be swept" + ("; use seeds" if path == "seed" else ""))
         for value in np.unique(values).tolist():
             checked_number(path, value, prepared.paths)
-    result = Plan(prepared, swept, _seeds(seeds), estimators or prepared.observers, *scored, PART)
+    result = Plan(prepared, swept, _seeds(seeds), estimators or prepared.observers, PART)
     _check_effect(result)
     _check_together(result)
     return result
-
-
-def _chosen(what: str, names: Sequence[str], known: Sequence[str]) -> tuple[str, ...]:
-    """Those of `known` that are named. ScenarioError if another one is, or none."""
-    for name in names:
-        if name not in known:
-            raise ScenarioError(f"unknown {what} {shown(name)}; there are {', '.join(known)}")
-    if not names:
-        raise ScenarioError(f"a sweep needs at least one {what}")
-    return tuple(name for name in known if name in names)
 
 
 def _check_effect(plan: Plan) -> None:

@@ -13,7 +13,6 @@ import xarray as xr
 
 from ...codegen.batch import CompiledLoop, compile_loop
 from ...codegen.toolchain import NATIVE, PORTABLE
-from ...model.symbols import QUANTITIES
 from ...observers.score import MEASURES
 from ..files.datasets.netcdf import LARGEST_RESULT, load, netcdf
 from ..files.errors import ResultError, ScenarioError
@@ -47,7 +46,7 @@ def sweep(
     out: str | Path | None = None,
     workers: int | None = None,
     target: str | None = None,
-    quantities: Sequence[str] = QUANTITIES,
+    quantities: Sequence[str] | None = None,
     measures: Sequence[str] = MEASURES,
     progress: CountedProgress | None = None,
     cluster: str | None = None,

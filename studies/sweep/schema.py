@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from ...model.symbols import QUANTITIES
+from ...model.symbols import QUANTITIES, is_quantity
 from ...observers.score import MEASURES
 from ..files.datasets.schema import FLAGS, FLOATS, TEXTS, WHOLES, Schema
 from ..files.errors import ResultError, ScenarioError
@@ -19,7 +19,7 @@ _LARGEST_ERROR = 1e150
 # what every sweep has, whatever its axes
 _ALWAYS = Schema(
     variables={"seed": (("seed",), WHOLES), "observer": (("observer",), TEXTS), "quantity": (("quantity",), TEXTS)},
-    labels={"observer": None, "quantity": None},
+    labels={"observer": None},
     attributes={
         "scenario": str,
         "identity": str,
@@ -58,8 +58,9 @@ def check_sweep(dataset: xr.Dataset) -> None:
         optional=dict.fromkeys(MEASURES, scores),
         attributes={},
     ).check(dataset)
-    if not {*dataset.quantity.values.tolist()} <= {*QUANTITIES} or 0 in dataset.sizes.values():
-        raise ResultError(f"its quantity must be some of {', '.join(QUANTITIES)}, and it needs a run")
+    scored = dataset.quantity.values.tolist()
+    if not all(map(is_quantity, scored)) or len(set(scored)) < len(scored) or 0 in dataset.sizes.values():
+        raise ResultError(f"its quantity must be some of {', '.join(QUANTITIES)}, or of a mechanism; it needs a run")
     for path in paths:
         _check_axis(dataset, path, kind)
     if not (np.isnan(dataset.rmse.values) | (np.abs(dataset.rmse.values) <= _LARGEST_ERROR)).all():

@@ -9,10 +9,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.linalg import solve_continuous_are
 
-from hillobs.model.backstepping import backstepping, riccati
 from hillobs.model.block import Block, Symbols, symbols
-from hillobs.model.closed_loop import closed_loop
+from hillobs.model.control.backstepping import backstepping, riccati
 from hillobs.model.curves import NGUYEN2019
+from hillobs.model.loops.closed_loop import closed_loop
 from hillobs.model.plant import DRIVES
 from hillobs.model.plant import plant as plant_of
 from hillobs.model.signals.reference import reference

@@ -10,6 +10,7 @@ import hillobs
 from double_pole import DOUBLE_POLE, double_pole
 from few_observers import few_observers
 from hillobs.model.block import symbols
+from hillobs.model.system import PAIR
 from hillobs.observers import OBSERVERS, PAPER, Observer
 from hillobs.observers.conditions import FACTS
 from hillobs.studies.cli.reports.listing import listing
@@ -80,5 +81,5 @@ def test_only_layers_are_corrected(observer: Observer) -> None:
 def test_steps_are_limited_by_the_rates_that_recordings_use(name: str) -> None:
     observer = OBSERVERS[name]
     p, facts = observer.block().p, symbols(FACTS)
-    conditions = [c.name for c in observer.conditions(p, facts) if c.name.endswith("(integration)")]
+    conditions = [c.name for c in observer.conditions(PAIR, p, facts) if c.name.endswith("(integration)")]
     assert conditions == [f"h {rate} < {observer.limit:g} (integration)" for rate in observer.rates(p)]

@@ -4,7 +4,9 @@ import dataclasses
 
 import pytest
 
+from few_observers import few_observers
 from hillobs.model.block import Block, Parameter, Symbols, symbols
+from hillobs.model.system import PAIR
 from hillobs.observers import OBSERVERS, baseline_estimator
 from hillobs.observers.conditions import FACTS, check
 from hillobs.studies.conformance import conformance
@@ -17,8 +19,10 @@ def test_ours_conform(name: str) -> None:
     assert conformance(OBSERVERS[name].block()) == []
 
 
-def test_a_users_own_conforms(proportional: Block) -> None:
-    assert conformance(proportional) == []
+@pytest.mark.parametrize("beside", [("high_gain",), pytest.param(tuple(OBSERVERS), marks=pytest.mark.chaos)], ids=len)
+def test_a_users_own_conforms_beside_ours(beside: tuple[str, ...], proportional: Block) -> None:
+    with few_observers(*beside):
+        assert conformance(proportional) == []
 
 
 def test_a_missing_port_is_named(proportional: Block) -> None:
@@ -62,7 +66,7 @@ def violated(name: str, **changes: float) -> list[str]:
     block, about = observer.block(), symbols(FACTS)
     values = {key: changes.get(key, parameter.default) for key, parameter in block.parameters.items()}
     known = facts(**{key: value for key, value in changes.items() if key in FACTS})
-    results = check(observer.conditions(block.p, about), Symbols({**block.p, **about}), {**values, **known})
+    results = check(observer.conditions(PAIR, block.p, about), Symbols({**block.p, **about}), {**values, **known})
     return [str(result) for result in results if not result.holds]
 
 

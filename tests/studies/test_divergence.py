@@ -22,10 +22,9 @@ from hillobs.studies.estimate.run import estimate
 from hillobs.studies.estimate.scores import scores
 from hillobs.studies.files.errors import ScenarioError
 from hillobs.studies.laboratory.recording import Recording, read_recording
-from hillobs.studies.scenarios.layers import shipped
 from hillobs.studies.simulate.run import simulate
 from hillobs.studies.sweep.run import sweep
-from places import RECORDINGS
+from places import OF_THE_PAIR, RECORDINGS
 
 pytestmark = pytest.mark.numerics
 
@@ -137,7 +136,7 @@ def test_a_length_of_ones_own_is_not_taken_for_the_domain(proportional: Block) -
         estimator(own)
 
 
-@pytest.mark.parametrize("scenario", shipped())
+@pytest.mark.parametrize("scenario", OF_THE_PAIR)
 def test_no_shipped_scenario_diverges(scenario: str) -> None:
     assert json.loads(simulate(scenario, list(OBSERVERS)).attrs["failures"]) == {}
 

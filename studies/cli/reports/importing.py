@@ -9,6 +9,7 @@ from rich.table import Table
 
 from ....model.skeleton.tree import SLIDER, Joint
 from ...laboratory.mechanisms.mechanism import Mechanism
+from ...laboratory.opensim.document import listed
 from ...laboratory.opensim.model import OpenSimModel
 from ...laboratory.path_fit.fit import Fitted
 from .plain import plain_table
@@ -61,6 +62,8 @@ def notes(model: OpenSimModel, mechanism: Mechanism) -> Iterator[str]:
     single = {joint.alias for joint in mechanism.tree.joints.values()}
     if held := [f"{name} = {value:.4g}" for name, value in model.held.items() if name not in single]:
         yield f"held in the frames of their joints: {', '.join(held)}"
+    if mechanism.points:
+        yield f"markers are points that a simulation may lead: {listed(mechanism.points)}"
     crossed = {joint for path in mechanism.paths.values() for joint in path.joints}
     if free := [name for name in mechanism.tree.free if name not in crossed]:
         yield f"no muscle crosses {', '.join(free)}: lock what does not move, --lock {free[0]}=…"

@@ -15,8 +15,8 @@ from ...files.pages import documentation
 from ...files.versions import versions
 from ...scenarios.layers import shipped
 from ...scenarios.loops import all_paths
-from ...scenarios.scenario import CHOICES
 from ...scenarios.show import describe
+from ...scenarios.world import CHOICES
 from .number import counted
 
 

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
+import numpy as np
 import xarray as xr
 from rich.table import Table
 from rich.text import Text
 
-from ....model.symbols import QUANTITIES
+from ....model.symbols import muscle_of
 from ....observers import label
 from ...scenarios.prepare import BASELINE
+from ...simulate.series import label_of
 from ...simulate.step_error import SHOWN_FROM, error_of, relative
 from .conditions import violated_conditions
 from .number import number, percent
@@ -23,6 +25,8 @@ _TITLES = {
     "chattering": "mean change from sample to sample over [{start:g}, {end:g}]",
 }
 _WORSE = "*"
+# more quantities than a terminal is wide have rows instead
+_MOST_COLUMNS = 9
 _BY_STEP = "  ± step"
 
 
@@ -31,21 +35,54 @@ def tables(dataset: xr.Dataset) -> Iterator[tuple[str, Table]]:
     parameters = json.loads(dataset.attrs["parameters"])
     start, end = parameters["score.start"], parameters["duration"]
     for key, title in _TITLES.items():
-        table = Table(box=None, padding=(0, 1, 0, 0))
-        table.add_column("", no_wrap=True, min_width=8)
         # what does not settle has a peak
         defined = dataset["peak" if key == "settling" else key]
-        shown = [q for q in QUANTITIES if defined.sel(quantity=q).notnull().any() or key == "rmse"]
-        for quantity in shown:
-            table.add_column(quantity, justify="right", no_wrap=True)
-        for estimator in _rows(dataset, key):
-            cells = [_cell(dataset, key, estimator, quantity) for quantity in shown]
-            table.add_row(Text(label(estimator)), *cells)
-            errors = [_step_error(dataset, key, estimator, quantity) for quantity in shown]
-            if any(error >= SHOWN_FROM for error in errors):
-                table.add_row(_BY_STEP, *(percent(error) if error >= SHOWN_FROM else "" for error in errors))
+        shown = [q for q in _quantities(dataset) if defined.sel(quantity=q).notnull().any() or key == "rmse"]
         if shown:
-            yield title.format(start=start, end=end), table
+            table = _wide if len(shown) <= _MOST_COLUMNS else _long
+            yield title.format(start=start, end=end), table(dataset, key, shown)
+
+
+def _wide(dataset: xr.Dataset, key: str, shown: Sequence[str]) -> Table:
+    """A column per quantity, below each number what the step makes of it."""
+    table = _table(shown)
+    for estimator in _rows(dataset, key):
+        cells = [_cell(dataset, key, estimator, quantity) for quantity in shown]
+        table.add_row(Text(label(estimator)), *cells)
+        errors = [_step_error(dataset, key, estimator, quantity) for quantity in shown]
+        if any(error >= SHOWN_FROM for error in errors):
+            table.add_row(_BY_STEP, *(percent(error) if error >= SHOWN_FROM else "" for error in errors))
+    return table
+
+
+def _long(dataset: xr.Dataset, key: str, shown: Sequence[str]) -> Table:
+    """A row per quantity, beside each number what the step makes of it."""
+    rows = _rows(dataset, key)
+    errors = {(who, q): _step_error(dataset, key, who, q) for who in rows for q in shown}
+    coarse = [who for who in rows if any(errors[who, q] >= SHOWN_FROM for q in shown)]
+    table = _table([words for who in rows for words in (label(who), *([_BY_STEP.strip()] if who in coarse else []))])
+    for quantity in shown:
+        cells: list[Text | str] = []
+        for who in rows:
+            cells.append(_cell(dataset, key, who, quantity))
+            if who in coarse:
+                error = errors[who, quantity]
+                cells.append(percent(error) if error >= SHOWN_FROM else "")
+        table.add_row(quantity, *cells)
+    return table
+
+
+def _table(columns: Sequence[str]) -> Table:
+    table = Table(box=None, padding=(0, 1, 0, 0))
+    table.add_column("", no_wrap=True, min_width=8)
+    for column in columns:
+        table.add_column(column, justify="right", no_wrap=True)
+    return table
+
+
+def _quantities(dataset: xr.Dataset) -> list[str]:
+    names: list[str] = dataset.quantity.values.tolist()
+    return names
 
 
 def notes(dataset: xr.Dataset) -> Iterator[str]:
@@ -54,9 +91,15 @@ def notes(dataset: xr.Dataset) -> Iterator[str]:
     if _any_worse(dataset):
         yield f"{_WORSE} worse than the baseline: raw outputs, a constant Δ, zero velocity and zero inputs"
     masked = dataset.masked.sel(estimator="baseline")
-    for muscle, quantities in ((1, "x3, u1, a1"), (2, "x4, u2, a2")):
-        if (time := float(masked.sel(quantity=f"a{muscle}"))) > 0:
-            yield f"tendon {muscle} was slack for {time:.4g}: {quantities} are not scored there"
+    of_muscle: dict[str, list[str]] = {}
+    for quantity in _quantities(dataset):
+        if muscle := muscle_of(quantity):
+            of_muscle.setdefault(muscle, []).append(quantity)
+    for muscle, quantities in of_muscle.items():
+        if (time := float(masked.sel(quantity=quantities[-1]))) > 0:
+            name = label_of(muscle)
+            yield f"tendon {name} was slack for {time:.4g}: {', '.join(quantities)} are not scored there"
+    yield from _led(dataset)
     parameters = json.loads(dataset.attrs["parameters"])
     if parameters["score.start"] > parameters["duration"]:
         yield "the errors have no window: score.start is after the end of the run, so there is no RMSE"
@@ -72,6 +115,24 @@ def notes(dataset: xr.Dataset) -> Iterator[str]:
         if any("infeasible" in guard for guard in times):
             yield "  infeasible: the inputs ask for an activation outside [0, 1]; estimates are limited to it"
     yield from violated_conditions(dataset)
+
+
+def _led(dataset: xr.Dataset) -> Iterator[str]:
+    """How closely a mechanism follows its reference, and in which units all numbers are."""
+    if "joint" not in dataset:
+        return
+    scales = json.loads(dataset.attrs["scales"])
+    if "place" in dataset:
+        start = json.loads(dataset.attrs["parameters"])["score.start"]
+        late = dataset.time.values >= start
+        off_by = np.abs(dataset["at"].values - dataset["r"].values)[late].max(axis=0, initial=0.0)
+        for name, off in zip(dataset.place.values.tolist(), off_by.tolist(), strict=True):
+            metres = f", {off * scales['length']:.2g} m" if "." in name else ""
+            yield f"{name} is within {off:.2g}{metres} of its reference from τ = {start:g} on"
+    yield (
+        f"in units of {dataset.muscle.values[0]}: lengths {scales['length']:.4g} m, forces {scales['force']:.5g} N, "
+        f"time {1 / scales['rate']:.4g} s; angles in rad"
+    )
 
 
 def failures(dataset: xr.Dataset) -> list[str]:
@@ -101,7 +162,7 @@ def _step_notes(dataset: xr.Dataset) -> Iterator[str]:
     """How good the step is, and what the rows of it mean."""
     step = json.loads(dataset.attrs["parameters"])["step"]
     errors = {
-        key: {(who, q): _step_error(dataset, key, who, q) for who in _rows(dataset, key) for q in QUANTITIES}
+        key: {(who, q): _step_error(dataset, key, who, q) for who in _rows(dataset, key) for q in _quantities(dataset)}
         for key in _TITLES
     }
     if known := {where: error for where, error in errors["rmse"].items() if error == error}:
@@ -119,4 +180,4 @@ def _worse(dataset: xr.Dataset, estimator: str, quantity: str) -> bool:
 
 
 def _any_worse(dataset: xr.Dataset) -> bool:
-    return any(_worse(dataset, e, q) for e in dataset.estimator.values for q in QUANTITIES)
+    return any(_worse(dataset, e, q) for e in dataset.estimator.values for q in _quantities(dataset))

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullFormatter
 
 from ....model.arrays import Array
-from ....model.symbols import SIGNALS
+from ....model.symbols import signal_of
 from ...sweep.optimum import axes_of, logarithmic, varied
 from .. import style
 
@@ -51,7 +51,7 @@ def panels(quantities: Sequence[str]) -> tuple[Figure, dict[str, Axes]]:
         spare.remove()
     by_quantity = dict(zip(quantities, figure.axes, strict=True))
     for quantity, axes in by_quantity.items():
-        axes.set_title(SIGNALS[quantity].symbol, fontsize=9)
+        axes.set_title(signal_of(quantity).symbol, fontsize=9)
     return figure, by_quantity
 
 

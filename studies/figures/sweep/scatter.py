@@ -10,7 +10,7 @@ from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from ....model.symbols import SIGNALS
+from ....model.symbols import signal_of
 from ....observers import label
 from ...sweep.optimum import axes_of, medians, own_value, varied, violated
 from .. import style
@@ -45,7 +45,7 @@ def scatter(dataset: xr.Dataset, quantities: Sequence[str]) -> Figure:
                     axes.axvline(value, **OWN)
                 scale(axes, "x", np.unique(values[path]), max(_FEWEST, _ROOM // len(paths)))
                 error_scale(axes)
-            row[0].set_ylabel(f"RMSE of {SIGNALS[quantity].symbol}")
+            row[0].set_ylabel(f"RMSE of {signal_of(quantity).symbol}")
         for path, axes in zip(paths, rows[-1], strict=True):
             axes.set_xlabel(symbol(path))
         above(figure, _handles(dataset, any(where.any() for where in broken.values())))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..opensim.model import OpenSimModel
-from .mechanism import Mechanism
+from .mechanism import Mechanism, is_name
 from .paths import path_over
 from .reading import mechanism_of
 from .writing import mechanism_file
@@ -20,5 +20,6 @@ def mechanism_from(model: OpenSimModel, source: str) -> Mechanism:
         model.muscles,
         {name: path_over(name, path, model.joints, model.held) for name, path in model.polynomials.items()},
         f"{model.name or 'a model'} from {source}" + (f"; credits: {words}" if words else ""),
+        {name: point for name, point in model.points.items() if is_name(name)},
     )
     return mechanism_of(mechanism_file(mechanism))

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from ....model.skeleton.newton_euler import mass_matrix
 from ....model.skeleton.paths import Path
+from ....model.skeleton.points import Point
 from ....model.skeleton.tree import Tree
 from ...files.errors import ScenarioError
 from ...files.quote import shown
@@ -23,6 +24,8 @@ _NAME = re.compile(r"(?=.{1,30}$)[A-Za-z][A-Za-z0-9]*(_[A-Za-z0-9]+)*")
 class Mechanism:
     """kg, m, rad, N; `paths` are the muscles' lengths in m over the coordinates of the tree's joints, by muscle.
 
+    points: places on links, by name, that can follow a reference.
+
     ScenarioError if a path is missing, or crosses a joint that has no coordinate, for a name that is none, or if
     nothing moves, or something without a mass.
     """
@@ -31,14 +34,16 @@ class Mechanism:
     muscles: Mapping[str, Muscle]
     paths: Mapping[str, Path]
     description: str = ""
+    points: Mapping[str, Point] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if not self.muscles:
             raise ScenarioError("a mechanism needs a muscle or more")
-        for name in (*self.tree.coordinates, *self.muscles):
-            if not _NAME.fullmatch(name):
+        for name in (*self.tree.coordinates, *self.muscles, *self.points):
+            if not is_name(name):
                 raise ScenarioError(
-                    f"{shown(name)} is no name for a joint or a muscle: letters, digits, single _ between, at most 30"
+                    f"{shown(name)} is no name for a joint, a muscle or a point: letters, digits, single _ between, "
+                    "at most 30"
                 )
         if not self.tree.coordinates:
             raise ScenarioError("all joints are locked or weld their links: nothing moves that could be estimated")
@@ -46,6 +51,13 @@ class Mechanism:
             raise ScenarioError(f"joint {idle} moves no mass; give the links beyond it a mass and an inertia")
         if both := [name for name in self.muscles if name in self.tree.coordinates]:
             raise ScenarioError(f"a muscle and a joint are both called {both[0]}")
+        for name, point in self.points.items():
+            if name in self.tree.coordinates or name in self.muscles:
+                raise ScenarioError(f"a point and a joint or muscle are both called {name}")
+            if point.link not in self.tree.links:
+                raise ScenarioError(
+                    f"points.{name}: its link {shown(point.link)} is none; there are {', '.join(self.tree.links)}"
+                )
         if missing := [name for name in self.muscles if name not in self.paths]:
             raise ScenarioError(f"muscle {missing[0]} has no path")
         for name, path in self.paths.items():
@@ -54,6 +66,11 @@ class Mechanism:
                 raise ScenarioError(
                     f"muscles.{name}.path crosses {unknown[0]}, which is no moving joint; there are {known}"
                 )
+
+
+def is_name(name: str) -> bool:
+    """Whether a joint, a muscle or a point can be called so."""
+    return bool(_NAME.fullmatch(name))
 
 
 def _carries_nothing(tree: Tree) -> str:

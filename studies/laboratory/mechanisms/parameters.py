@@ -31,6 +31,8 @@ LINK: Mapping[str, Parameter | Numbers] = {
     "com": _PLACE,
     "inertia": Numbers(6, Parameter(0.0, "xx yy zz xy xz yz about the centre of mass", FILE, "kg m2", most=1e7)),
 }
+# of a point, in the frame of its link
+POINT: Mapping[str, Parameter | Numbers] = {"at": _PLACE}
 FRAMES: Mapping[str, Parameter | Numbers] = {
     "at": _PLACE,
     "orientation": _TURN,

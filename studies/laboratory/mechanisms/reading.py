@@ -10,6 +10,7 @@ from typing import Any, cast
 from ....model.arrays import is_number
 from ....model.block import Parameter
 from ....model.fibre import PENNATION
+from ....model.skeleton.points import Point
 from ....model.skeleton.tree import KINDS, WELD, Joint, Link, Tree, TreeError, Vector
 from ...files.errors import ScenarioError, in_file
 from ...files.numbers import switch, within
@@ -19,14 +20,14 @@ from ..muscles.keys import refuse_missing, refuse_unknown, section
 from ..muscles.tables import COMMON, MuscleTables
 from ..opensim.paths import read_paths
 from .mechanism import Mechanism
-from .parameters import FRAMES, GRAVITY, LINK, MOVING, Numbers
+from .parameters import FRAMES, GRAVITY, LINK, MOVING, POINT, Numbers
 from .paths import held_at, path_of, path_over
 
 # bytes; hundreds of muscles over six joints each
 LARGEST_FILE = 5_000_000
 # what a file calls a field of a Joint, where it is another word
 KEYS: Mapping[str, str] = {"kind": "type", "alias": "coordinate"}
-_TOP = ["description", "gravity", "paths", "links", "joints", COMMON, "muscles"]
+_TOP = ["description", "gravity", "paths", "links", "joints", "points", COMMON, "muscles"]
 
 
 def read_mechanism(path: str | Path) -> Mechanism:
@@ -60,7 +61,8 @@ def _mechanism(content: Mapping[str, object], folder: Path | None) -> Mechanism:
     tables = MuscleTables.read(section(content, COMMON), each, folder, {"pennation": PENNATION}, ["path"])
     refuse_missing(tables.missing)
     muscles = dict(zip(own, tables.muscles(), strict=True))
-    return Mechanism(tree, muscles, _paths(content, folder, tree, own), description)
+    points = {name: _point(f"points.{name}", table) for name, table in _tables(content, "points").items()}
+    return Mechanism(tree, muscles, _paths(content, folder, tree, own), description, points)
 
 
 def _paths(
@@ -92,6 +94,12 @@ def _link(where: str, table: Mapping[str, object]) -> Link:
     refuse_unknown(table, list(LINK), f"{where}.")
     refuse_missing([f"{where}.mass"] if "mass" not in table else [])
     return Link(**_values(where, table, LINK))
+
+
+def _point(where: str, table: Mapping[str, object]) -> Point:
+    refuse_unknown(table, ["link", *POINT], f"{where}.")
+    refuse_missing([f"{where}.{key}" for key in ("link", *POINT) if key not in table])
+    return Point(text(f"{where}.link", table["link"]), **_values(where, table, POINT))
 
 
 def _joint(where: str, table: Mapping[str, object]) -> Joint:

@@ -28,6 +28,7 @@ def mechanism_file(mechanism: Mechanism) -> dict[str, object]:
         }
         for name, table in tables.items()
     }
+    points = {name: {"link": point.link, "at": list(point.at)} for name, point in mechanism.points.items()}
     return {
         "description": mechanism.description,
         "gravity": list(tree.gravity),
@@ -36,6 +37,7 @@ def mechanism_file(mechanism: Mechanism) -> dict[str, object]:
             for name, link in tree.links.items()
         },
         "joints": {name: _joint_table(joint) for name, joint in tree.joints.items()},
+        **({"points": points} if points else {}),
         **({COMMON: common} if common else {}),
         "muscles": muscles,
     }

@@ -18,6 +18,7 @@ _KINDS: Mapping[str, tuple[str, ...]] = {
     "Joint": ("Joint",),
     "Constraint": ("Constraint",),
     "Force": ("Muscle", "Force"),
+    "Marker": ("Marker",),
 }
 
 

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from ....model.skeleton.points import Point
 from ....model.skeleton.tree import Joint, Tree, TreeError
 from ...files.errors import ScenarioError, in_file
 from ...files.quote import shown
@@ -16,6 +17,7 @@ from .document import Component, Document, listed, read_document
 from .forces import acting, left_out, springs, sprung
 from .frames import vector
 from .joints import ReadJoint, joints
+from .markers import markers
 from .muscles import chosen_muscles, muscle, muscles
 from .names import Coordinates
 from .paths import TAG, Polynomial, polynomial_of, read_paths
@@ -40,6 +42,7 @@ class OpenSimModel:
     muscles: Mapping[str, Muscle]
     classes: Mapping[str, str]
     polynomials: Mapping[str, Polynomial]
+    points: Mapping[str, Point]
     notes: tuple[str, ...]
 
 
@@ -145,6 +148,7 @@ def _model(
         {name: own for name, (own, _) in read.items()},
         {name: component.element.tag for name, component in chosen.items()},
         of_muscles,
+        markers(document, of_bodies, {*tree_joints, *read}),
         tuple(notes),
     )
 

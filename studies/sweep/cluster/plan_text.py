@@ -22,8 +22,9 @@ def text_of(plan: Plan) -> str:
     for name in own_among(prepared.chosen):
         raise ScenarioError(f"{name} is a Block of this process, which no text can send; sweep it without a cluster")
     scenario = prepared.scenario
+    about = [scenario.name, scenario.description, scenario.seed, dict(scenario.choices), dict(scenario.given)]
     content = {
-        "scenario": [scenario.name, scenario.description, scenario.seed, dict(scenario.choices), dict(scenario.given)],
+        "scenario": [*about, {}, scenario.mechanism],
         "prepared": [list(prepared.observers), prepared.corrected],
         # the values themselves: another machine's exp may round a range otherwise
         "axes": [plan.axes.kind, dict(zip(plan.axes.paths, (v.tolist() for v in plan.axes.values), strict=True))],
@@ -46,7 +47,5 @@ def plan_of(text: str) -> Plan:
         Axes(kind, tuple(axes), tuple(np.array(values, dtype=float) for values in axes.values())),
         np.array(content["seeds"], dtype=np.uint64),
         tuple(content["observers"]),
-        quantities,
-        measures,
         content["part"],
     )

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from hillobs.model.backstepping import PARAMETERS, backstepping, riccati
 from hillobs.model.block import Block, Symbols
-from hillobs.model.closed_loop import closed_loop
+from hillobs.model.control.backstepping import PARAMETERS, backstepping, riccati
 from hillobs.model.curves import NGUYEN2019, NGUYEN2019_PRINTED
 from hillobs.model.dialect import root, sg
+from hillobs.model.loops.closed_loop import closed_loop
 from hillobs.model.plant import plant as plant_of
 from hillobs.model.symbols import STATES, hat
 from hillobs.observers import OBSERVERS

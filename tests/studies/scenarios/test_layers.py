@@ -6,10 +6,10 @@ import pytest
 
 from documents import PATHS, document
 from hillobs.studies.files.errors import ScenarioError
-from hillobs.studies.scenarios.layers import layers, shipped
+from hillobs.studies.scenarios.layers import shipped
 from hillobs.studies.scenarios.paths import block_paths
 from hillobs.studies.scenarios.prepare import prepare
-from hillobs.studies.scenarios.scenario import scenario
+from places import OF_THE_PAIR
 
 
 def values(*layers: dict[str, object], **changes: float) -> dict[str, float]:
@@ -20,9 +20,9 @@ def values(*layers: dict[str, object], **changes: float) -> dict[str, float]:
 
 
 def test_the_shipped_scenarios_are_valid_and_described() -> None:
-    assert list(shipped()) == ["paper-clean", "paper-noisy", "challenge", "slack", "slack-deep", "activation"]
+    assert list(shipped()) == [*OF_THE_PAIR, "arm", "hinge"]
     for name in shipped():
-        assert len(scenario(*layers(name, {}), PATHS).description) > 20
+        assert len(prepare(name, "high_gain", {}).scenario.description) > 20
 
 
 def test_a_group_sets_its_members_and_a_member_of_the_same_layer_wins() -> None:

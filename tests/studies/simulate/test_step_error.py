@@ -8,11 +8,11 @@ from hillobs.codegen.batch import compile_loop
 from hillobs.codegen.memory import Grid
 from hillobs.model.arrays import Array
 from hillobs.model.symbols import QUANTITIES
-from hillobs.studies.scenarios.layers import shipped
 from hillobs.studies.scenarios.prepare import prepare
 from hillobs.studies.simulate.measures import measures
 from hillobs.studies.simulate.run import recorded, simulate
 from hillobs.studies.simulate.step_error import error_of, relative, step_error
+from places import OF_THE_PAIR
 
 pytestmark = pytest.mark.numerics
 
@@ -25,7 +25,7 @@ def rmse(scenario: str, seeds: int, **changes: float) -> Array:
     numbers = {b.name: prepared.paths.values(b, prepared.scenario.given) for b in prepared.loop.blocks}
     found = compile_loop(prepared.loop).batch(prepared.grid, range(seeds), numbers, prepared.observers)
     sums = [dict(zip(prepared.loop.score.x, found[name].sums.T, strict=True)) for name in prepared.observers]
-    each = [measures(of, prepared.grid)["rmse"] for of in sums]
+    each = [measures(of, prepared.grid, QUANTITIES)["rmse"] for of in sums]
     return np.moveaxis([[of[quantity] for quantity in QUANTITIES] for of in each], -1, 0)
 
 
@@ -45,7 +45,7 @@ def test_the_step_resolves_a_tendon_that_goes_taut_again(scenario: str, duration
     np.testing.assert_allclose(usual, much_finer, rtol=5e-3)
 
 
-@pytest.mark.parametrize("scenario", shipped())
+@pytest.mark.parametrize("scenario", OF_THE_PAIR)
 def test_a_difference_at_the_start_hardly_grows(scenario: str) -> None:
     """10⁻¹⁰ grows by 100 at most, so rounding, 4·10⁻¹⁶ of a length, stays below 10⁻¹³ however it falls."""
     first = prepare(scenario, None, {})

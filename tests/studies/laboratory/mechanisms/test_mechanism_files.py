@@ -289,10 +289,18 @@ WRONG = {
     "a muscle and a joint are both called reach": lambda content: content["muscles"].update(
         reach=content["muscles"].pop("BRA")
     ),
-    "'b r a' is no name for a joint or a muscle": lambda content: content["muscles"].update(
+    "'b r a' is no name for a joint, a muscle or a point": lambda content: content["muscles"].update(
         {"b r a": content["muscles"].pop("BRA")}
     ),
     "paths must be a text, not 3": change("paths", to=3),
+    "points.hand: its link 'nowhere' is none; there are": change(
+        "points", to={"hand": {"link": "nowhere", "at": [0, 0, 0]}}
+    ),
+    "points.hand.at is missing": change("points", to={"hand": {"link": "lower"}}),
+    "points.hand.at must be a list of 3 numbers": change("points", to={"hand": {"link": "lower", "at": [0, 0]}}),
+    "a point and a joint or muscle are both called BRA": change(
+        "points", to={"BRA": {"link": "lower", "at": [0, 0, 0]}}
+    ),
 }
 
 

@@ -4,19 +4,19 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from .backstepping import backstepping
-from .block import Block, Symbols
-from .curves import NGUYEN2019, Curves
-from .limits import limits
-from .plant import plant as plant_of
-from .sensors import SENSED
-from .signals.activations import given_activations
-from .signals.pulses import PULSES, pulses
-from .signals.reference import reference
-from .signals.uncertainty import uncertainty
-from .symbols import QUANTITIES, STATES
-from .system import pair_system
-from .wiring import rename, wire
+from ..block import Block, Symbols
+from ..control.backstepping import backstepping
+from ..curves import NGUYEN2019, Curves
+from ..limits import limits
+from ..plant import plant as plant_of
+from ..sensors import SENSED
+from ..signals.activations import given_activations
+from ..signals.pulses import PULSES, pulses
+from ..signals.reference import reference
+from ..signals.uncertainty import uncertainty
+from ..symbols import QUANTITIES, STATES
+from ..system import pair_system
+from ..wiring import rename, wire
 
 TAUT = ("taut1", "taut2")
 # parameters of these parts are known by other names, signals of those without the part's

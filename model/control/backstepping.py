@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import casadi as ca
 
-from .block import Block, Parameter, Symbols, symbols
-from .curves import NGUYEN2019, Curves, by_muscle
-from .dialect import clamp, outside
-from .skeleton.load import MASS
-from .symbols import MUSCLES
-from .system import pair_system
+from ..block import Block, Parameter, Symbols, symbols
+from ..curves import NGUYEN2019, Curves, by_muscle
+from ..dialect import clamp, outside
+from ..skeleton.load import MASS
+from ..symbols import MUSCLES
+from ..system import pair_system
 
 _PAPER = "paper, §V"
 

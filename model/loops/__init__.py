@@ -1,0 +1,1 @@
+"""The truth of a run: what is simulated, with what moves it and what controls it."""
