@@ -122,7 +122,10 @@ class Observer:
         if self.chains:
             return chained(self.chains(corrected), system)
         if self.whole is None or not system.paper:
-            raise BlockError(f"{self.label} is an observer of a mass between two muscles; it is not made of chains")
+            beside = "; of a mechanism it follows recordings, and no runs" if self.apart else ""
+            raise BlockError(
+                f"{self.label} is an observer of a mass between two muscles; it is not made of chains{beside}"
+            )
         return self.whole()
 
     def gains_of(self, system: System, sizes: SystemSizes, T: float) -> dict[str, float]:
