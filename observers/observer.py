@@ -112,6 +112,7 @@ class Observer:
     rates: Rates | None = None  # its fastest; None: to be found from ∂ẋ/∂x
     limit: float = STABLE  # largest h · rate of an RK4 step
     fitted: bool = False  # a recording is passed as a whole, to find its numbers by likelihood and to smooth
+    apart: Callable[[System], Block] | None = None  # of other systems, what follows from its filters over a recording
 
     def block(self, corrected: bool = False, system: System = PAIR) -> Block:
         """The observer of a system, its layers, if it has any, `corrected` or not.
@@ -121,7 +122,10 @@ class Observer:
         if self.chains:
             return chained(self.chains(corrected), system)
         if self.whole is None or not system.paper:
-            raise BlockError(f"{self.label} is an observer of a mass between two muscles; it is not made of chains")
+            beside = "; of a mechanism it follows recordings, and no runs" if self.apart else ""
+            raise BlockError(
+                f"{self.label} is an observer of a mass between two muscles; it is not made of chains{beside}"
+            )
         return self.whole()
 
     def gains_of(self, system: System, sizes: SystemSizes, T: float) -> dict[str, float]:

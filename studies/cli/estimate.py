@@ -41,7 +41,7 @@ from .shell.options import (
 )
 from .shell.own_observers import loaded
 from .shell.stopping import Stopped
-from .shell.subjects import subject_options, typed_subject
+from .shell.subjects import subject_asked_for, subject_options
 from .shell.terminal import NUMERICAL, bar, complain, print_table, say
 
 _KALMAN_TOO = "--observer kalman also says what noise leaves open, smooths, and judges recording and muscles"
@@ -100,7 +100,7 @@ def estimate(
     It needs time, positions and tendon forces. If it has the truth too, the estimates are scored.
     """
     folder = writable_folder(Path(out))
-    chosen, subject, mapping = loaded(observers), typed_subject(muscles, mechanism), read_mapping(maps)
+    chosen, subject, mapping = loaded(observers), subject_asked_for(muscles, mechanism), read_mapping(maps)
     times = [time.monotonic()]
     with bar("reading") as progress:
         read = read_recording(recording, mapping, progress, subject.columns)
@@ -141,11 +141,11 @@ def estimate(
         if not no_figures:
             paths += write_figures(drawn, folder, _STEM)
     say(*notes(dataset), timing(dataset, reading, building, following), err=as_json)
-    if chosen is None and subject.pair:
+    if chosen is None:
         say(_KALMAN_TOO, err=as_json)
-    if subject.pair and KALMAN in dataset.observer and not no_verdict:
+    if KALMAN in dataset.observer and not no_verdict:
         with _noting_what_is_kept(folder), bar("weighing") as progress:
-            found = judged(read, subject.pair, dataset, progress)
+            found = judged(read, subject, dataset, progress)
         dataset.attrs |= {"quality": found.quality, "verdict": json.dumps(found.as_dict())}
         with bar("writing"):
             save_again(dataset, folder)

@@ -30,7 +30,7 @@ from ..scenarios.observers import observers_named
 from .shell.options import corrected_option, mapping_option, observer_option, seconds_option, set_option
 from .shell.own_observers import loaded
 from .shell.stopping import Stopped
-from .shell.subjects import subject_options, typed_subject
+from .shell.subjects import subject_asked_for, subject_options
 from .shell.terminal import NUMERICAL, bar, complain, say
 
 
@@ -62,7 +62,7 @@ def live(
 
     They are CSV with the header of a recording, or an object of JSON on each line; so are the estimates.
     """
-    chosen, subject, mapping = loaded(observers), typed_subject(muscles, mechanism), read_mapping(maps)
+    chosen, subject, mapping = loaded(observers), subject_asked_for(muscles, mechanism), read_mapping(maps)
     own = {block.name: block for block in chosen or () if isinstance(block, Block)}
     named = {name: own.get(name, name) for name in observers_named(chosen)}
     if save_state is not None:

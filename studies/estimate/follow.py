@@ -41,7 +41,11 @@ def follower_bank(system: System, corrected: bool, observers: tuple[Observer, ..
 @functools.lru_cache(maxsize=8)
 def fitted_blocks(system: System, corrected: bool, observers: tuple[Observer, ...]) -> tuple[Block, ...]:
     """The others, to which a recording is given as a whole."""
-    return tuple(estimator_of(observer, corrected, system) for observer in observers if observer.fitted)
+    several = (observer for observer in observers if observer.fitted)
+    return tuple(
+        observer.apart(system) if observer.apart and not system.paper else estimator_of(observer, corrected, system)
+        for observer in several
+    )
 
 
 def chosen_bank(subject: Subject, corrected: bool, chosen: Mapping[str, Observer]) -> Bank:
@@ -68,11 +72,11 @@ def _compiled(subject: Subject, chosen: Mapping[str, Observer]) -> tuple[Observe
     return tuple(observer for observer in banked if observer.chains or observer in chosen.values())
 
 
-def observer_paths(bank: Bank, whole: Iterable[Block]) -> Paths:
-    """All numbers of the observers, with those of a second pass, which no Block has."""
+def observer_paths(system: System, bank: Bank, whole: Iterable[Block]) -> Paths:
+    """All numbers of the observers, with those of the pair's second pass, which no Block has."""
     paths = paths_of([*bank.observers, *whole])
     second = {f"{block.name}.{name}": parameter for block in whole for name, parameter in SECOND_PASS.items()}
-    return replace(paths, parameters={**second, **paths.parameters})
+    return replace(paths, parameters={**second, **paths.parameters}) if system.paper else paths
 
 
 @functools.lru_cache(maxsize=8)

@@ -13,7 +13,7 @@ import numpy as np
 
 from ...model.arrays import Array
 from ...model.block import symbols
-from ..laboratory.subject import Subject
+from ..laboratory.subject import Subject, oblique
 
 OF_JOINTS = ("position", "velocity", "disturbance")
 OF_MUSCLES = ("tendon_length", "fibre_length", "fibre_velocity", "activation")
@@ -97,7 +97,7 @@ def _function(subject: Subject) -> ca.Function:
         for names in (*map(system.joint, ("q", "dq", "Delta")), *map(system.muscle, ("L_S", "u", "a")))
     )
     L_m = ca.vertcat(*system.lengths(ca.vertsplit(q), p))
-    L_C, along = _fibres(s.metres(L_m - L_S), subject.heights)
+    L_C, along = oblique(s.metres(L_m - L_S), subject.heights)
     told = {
         "position": s.positions(q),
         "velocity": s.velocities(dq),
@@ -109,11 +109,3 @@ def _function(subject: Subject) -> ca.Function:
     }
     all_of = ca.vertcat(*(told[name] for name in (*OF_JOINTS, *OF_MUSCLES)))
     return ca.Function("quantities", [estimates.vector(), given], [ca.densify(all_of)])
-
-
-def _fibres(L: ca.SX, heights: Array) -> tuple[ca.SX, ca.SX]:
-    """Lengths of fibres that reach L along the tendon, and the cosines of their angles to it."""
-    # L_C cos α = L_m − L_S,  L_C sin α = h
-    L_C = [ca.hypot(reach, h) if h > 0 else reach for reach, h in zip(ca.vertsplit(L), heights, strict=True)]
-    along = [reach / fibre if h > 0 else 1 for reach, fibre, h in zip(ca.vertsplit(L), L_C, heights, strict=True)]
-    return ca.vertcat(*L_C), ca.vertcat(*along)

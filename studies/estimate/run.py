@@ -20,8 +20,9 @@ from ..files.errors import RecordingError, ScenarioError
 from ..files.numbers import number, switch, whole
 from ..files.progress import Progress, shares, unseen
 from ..files.quote import shown, table
+from ..kalman.apart.record import RecordApart
 from ..kalman.record import Record
-from ..kalman.run import AUTO, FORMS, compile_passes
+from ..kalman.run import AUTO, FORMS
 from ..laboratory.gaps import bridged, refuse_impossible, refuse_long_steps
 from ..laboratory.mechanisms.mechanism import Mechanism
 from ..laboratory.muscles import MusclePair
@@ -36,7 +37,7 @@ from .bands.muscle import compile_sensitivities
 from .case import Case, Result, Settings
 from .conditions import gain_conditions
 from .dataset import estimate_dataset
-from .fitted import fitted_result, record_of
+from .fitted import compile_passes, fitted_result, pair_record, record_apart
 from .follow import chosen_bank, chosen_whole, compiled_bank, followed, lengths_block, measured_tendons, observer_paths
 from .sizes.first_pass import compile_first_pass, first_pass
 from .start import at_rest, begun, gains_by_hand, gains_of_block, gains_of_rule, too_rare
@@ -84,7 +85,7 @@ def estimate(
     subject = subject_of(muscles)
     bank = chosen_bank(subject, switch("corrected", corrected), chosen)
     whole = chosen_whole(subject, corrected, chosen)
-    paths = observer_paths(bank, whole)
+    paths = observer_paths(subject.system, bank, whole)
     settings = _settings(corrected, changes or {}, keep_every, paths, chosen)
     settings = replace(settings, **_smoothing(chosen, form, smooth, lag))
     known = doubts(subject, {} if doubt is None else doubt, switch("usual_doubt", usual_doubt))
@@ -110,8 +111,8 @@ def compile_observers(subject: Subject, observers: Observers = None, corrected: 
     chosen = observers_named(observers)
     compiled_bank(chosen_bank(subject, corrected, chosen))
     compile_sensitivities(subject)
-    if subject.pair and any(observer.fitted for observer in chosen.values()):
-        compile_passes(subject.pair.curves)
+    if any(observer.fitted for observer in chosen.values()):
+        compile_passes(subject.system)
 
 
 def recorded(
@@ -121,12 +122,24 @@ def recorded(
 
     changes: path → value of its numbers by hand.
     """
+    case, numbers = _recorded(read, pair_subject(pair), changes)
+    return case, pair_record(case, numbers)
+
+
+def recorded_apart(
+    read: Recording, subject: Subject, changes: Mapping[str, float] = MappingProxyType({})
+) -> tuple[Case, RecordApart]:
+    """The same of a mechanism."""
+    case, numbers = _recorded(read, subject, changes)
+    return case, record_apart(case, numbers)
+
+
+def _recorded(read: Recording, subject: Subject, changes: Mapping[str, float]) -> tuple[Case, dict[str, float]]:
     chosen = observers_named(KALMAN)
-    subject = pair_subject(pair)
     bank, (block,) = chosen_bank(subject, True, chosen), chosen_whole(subject, True, chosen)
-    paths = observer_paths(bank, [block])
+    paths = observer_paths(subject.system, bank, [block])
     case = _case(read, subject, compiled_bank(bank), paths, Settings(True, changes, 1), {})
-    return case, record_of(case, _numbers(case, paths, block))
+    return case, _numbers(case, paths, block)
 
 
 def _smoothing(chosen: Mapping[str, Observer], form: str, smooth: bool, lag: float) -> dict[str, Any]:

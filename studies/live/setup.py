@@ -44,7 +44,7 @@ class Setup:
     @property
     def sure(self) -> bool:
         """Whether the observer tells standard deviations."""
-        return sd("x1") in self.block.y
+        return sd(self.subject.system.states[0]) in self.block.y
 
     @functools.cached_property
     def units(self) -> list[float]:
@@ -105,5 +105,5 @@ def setup(muscles: str | Path | MusclePair | Mechanism | Subject, observer: str 
     live = replace(chosen, fitted=False) if chosen.fitted else chosen
     bank = chosen_bank(subject, corrected, {name: live})
     block = next(block for block in bank.observers if block.name == name)
-    paths = observer_paths(bank, [block] if OBSERVERS.get(name, live).fitted else [])
+    paths = observer_paths(subject.system, bank, [block] if OBSERVERS.get(name, live).fitted else [])
     return Setup(subject, live, block, compiled_bank(bank), paths, corrected)

@@ -15,11 +15,11 @@ _MECHANISM = click.option("--mechanism", metavar="FILE.toml", help="Or joints an
 
 
 def subject_options() -> Decorator:
-    """Both options, for `typed_subject`."""
+    """Both options, for `subject_asked_for`."""
     return lambda command: _MUSCLES(_MECHANISM(command))
 
 
-def typed_subject(muscles: str | None, mechanism: str | None) -> Subject:
+def subject_asked_for(muscles: str | None, mechanism: str | None) -> Subject:
     """The pair or the mechanism of a file. ScenarioError unless there is one of both, or for what is wrong in it."""
     if (muscles is None) == (mechanism is None):
         raise ScenarioError("a recording needs --muscles FILE.toml, a pair, or --mechanism FILE.toml, one of them")

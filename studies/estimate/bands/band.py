@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....model.arrays import Array
-from ....model.symbols import STATES
-from ....observers.behind.spread import FIBRES, sd
+from ....model.symbols import hat
+from ....observers.behind.spread import sd
 from ...laboratory.subject import Subject
 from ..case import Case, Result
 from .muscle import muscle_parts
@@ -70,22 +70,32 @@ def state_deviations(subject: Subject, told: Sequence[Mapping[str, Array]]) -> d
 
     told: the outputs (…) of each observer by name. NaN if it tells no covariance; nothing if none does.
     """
-    s, sure = subject.scales, [outputs for outputs in told if sd("x1") in outputs]
+    s, system = subject.scales, subject.system
+    first = sd(system.states[0])
+    sure = [outputs for outputs in told if first in outputs]
     if not sure:
         return {}
-    unknown = np.full_like(sure[0][sd("x1")], np.nan)
+    unknown = np.full_like(sure[0][first], np.nan)
 
-    def stacked(*names: str) -> Array:
-        return np.stack([np.stack([of.get(sd(name), unknown) for name in names], axis=-1) for of in told])
+    def stacked(names: Sequence[str]) -> Array:
+        return np.stack([np.stack([of.get(name, unknown) for name in names], axis=-1) for of in told])
 
+    def sds(names: Sequence[str]) -> Array:
+        return stacked([sd(name) for name in names])
+
+    q, L_S = (stacked([hat(name) for name in names]) for names in (system.joint("q"), system.muscle("L_S")))
+    # σ of M Δ, of which each joint's has nothing in common with the others
+    Delta = sds(system.joint("Delta"))
+    parts = (subject.disturbance(q, Delta * own) for own in np.eye(len(system.joints)))
+    _, along = subject.fibres(q, L_S)
     return {
-        "position": s.metres(stacked("x1")),
-        "velocity": s.velocity(stacked("x2")),
-        "disturbance": subject.disturbance(0 * stacked("x1"), stacked("Delta")),
-        "tendon_length": s.metres(stacked(*STATES[2:])),
-        "fibre_length": s.metres(stacked(*FIBRES)),
-        "fibre_velocity": s.velocity(stacked("u1", "u2")),
-        "activation": stacked("a1", "a2"),
+        "position": s.positions(sds(system.joint("q"))),
+        "velocity": s.velocities(sds(system.joint("dq"))),
+        "disturbance": np.abs(functools.reduce(np.hypot, parts)),
+        "tendon_length": s.metres(sds(system.muscle("L_S"))),
+        "fibre_length": s.metres(sds(system.muscle("L_C"))),
+        "fibre_velocity": s.velocity(sds(system.muscle("u"))) * along,
+        "activation": sds(system.muscle("a")),
     }
 
 
