@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Mapping
 from types import MappingProxyType
@@ -16,6 +15,7 @@ from ..estimate.dataset import explained
 from ..estimate.start import longest_period, too_rare
 from ..files.errors import RecordingError, ResultError, ScenarioError
 from ..laboratory.gaps import longest_step
+from ..laboratory.scales import Scales
 from .estimate import Estimate, Naming
 from .running import Running
 from .samples import Clock, Samples
@@ -26,6 +26,8 @@ from .state import known, packed, unpacked
 LEARNING = 5.0
 # s; of more samples gains are no better, and they wait in memory
 _LONGEST = 600.0
+# s; a gap is filled with so many samples that less would take memory, and no muscle is measured faster
+_SHORTEST = 1e-6
 
 
 class Follower:
@@ -44,10 +46,11 @@ class Follower:
         self._setup, self._gains, self.seconds, self._T = setup, dict(gains), seconds, T
         if not 0 < seconds <= _LONGEST:
             raise ScenarioError(f"learning must be above 0 and at most {_LONGEST:g} s, not {seconds:g} s")
-        if min(period, T) < 0 or not (self._learning or T):
-            raise ScenarioError(f"the period must be above 0 s, not {min(period, T / s.rate):g} s")
-        if objection := too_rare(max(period, T / s.rate), s):
-            raise ScenarioError(objection)
+        if not (self._learning or T):
+            raise ScenarioError("the period must be above 0 s, not 0 s")
+        for seconds_apart in (period, T / s.rate):
+            if seconds_apart and (objection := _objection(seconds_apart, s)):
+                raise ScenarioError(objection)
         if not self._learning:
             setup.refuse_too_fast(gains, T)
         self._samples, self._naming, self._clock = Samples(setup.subject), Naming(setup.subject), Clock(period)
@@ -122,7 +125,8 @@ class Follower:
             "T": self._T,
             "learning": self._learning,
             "seconds": self.seconds,
-            "clock": {"base": self._clock.base, "count": self._clock.count},
+            "base": self._clock.base,
+            "count": self._clock.count,
             "last": known(self._clock.last),
             "start": known(self._start),
             "followed": known(self._followed),
@@ -130,7 +134,6 @@ class Follower:
             "failure": self.failure,
             "first": running.first if running else [],
             "x": at.x,
-            "tau": [at.t] if running else [],
             "y": at.y,
             "taut": running.taut if running else [],
         }
@@ -146,23 +149,21 @@ class Follower:
 
     @classmethod
     def _resumed(cls, told: Mapping[str, Any], setup: Setup) -> Follower:
-        gains, running = setup.given(told["gains"]), bool(told["tau"])
+        gains, running = setup.given(told["gains"]), bool(told["first"])
         if told["learning"] != bool(setup.missing(gains)) or (running and told["learning"]):
             raise ResultError("its gains are not those of this observer")
         follower = cls(setup, gains, told["period"], told["seconds"], told["T"])
         follower.failure = told["failure"]
         clock = follower._clock
-        clock.base, clock.count = told["clock"]["base"], told["clock"]["count"]
+        clock.base, clock.count = told["base"], told["count"]
         for owner, name in ((clock, "last"), (follower, "_start"), (follower, "_followed")):
             if time := told[name.removeprefix("_")]:
                 setattr(owner, name, time[0])
-        for (before, *_), (after, *_) in itertools.pairwise(told["learnt_from"]):
-            if before >= after:
-                raise ResultError("the times of its samples do not rise")
         follower._learnt_from = [(t, list(follower._samples.taken(y, {}))) for t, *y in told["learnt_from"]]
         if running:
             follower._running = Running(setup, gains, told["first"], told["T"])
-            follower._running.go_on_from(State(told["x"], told["tau"][0], told["y"]), told["taut"])
+            tau = follower._rate * (follower._followed - follower._start)
+            follower._running.go_on_from(State(told["x"], tau, told["y"]), told["taut"])
         return follower
 
     def _begin(self, t: float) -> None:
@@ -182,10 +183,17 @@ class Follower:
         tau, y = self._rate * (np.array(times) - self._start), np.array(values) / self._units
         self._T = float(np.median(np.diff(tau)))
         self._learnt_from = []
-        if objection := too_rare(self._T / self._rate, self._setup.subject.scales):
+        if objection := _objection(self._T / self._rate, self._setup.subject.scales):
             self._followed = math.nan
             raise RecordingError(f"nothing can be learnt: {objection}")
         self._gains = {**self._setup.learnt(y, tau, self._T), **self._gains}
         self._learning, self._longest = False, longest_step(self._T / self._rate)
         self._running = Running(self._setup, self._gains, y[0].tolist(), self._T)
         self._running.all_of(tau, y)
+
+
+def _objection(period: float, scales: Scales) -> str:
+    """Why samples a period apart, in s, cannot be followed; empty if they can."""
+    if period < _SHORTEST:
+        return f"the period must be at least {_SHORTEST:g} s, not {period:g} s"
+    return too_rare(period, scales)

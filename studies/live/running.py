@@ -25,7 +25,7 @@ class Running:
 
     def __init__(self, setup: Setup, gains: Mapping[str, float], first: Sequence[float], T: float) -> None:
         self.first = list(first)
-        self._setup, self._T = setup, T
+        self._setup = setup
         # what moves at samples only knows how long a step is, and needs none filled in
         self._longest = math.inf if setup.block.sampled else T
         # no longer than this, a step is surely not filled

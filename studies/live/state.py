@@ -32,7 +32,9 @@ _FORM: Mapping[str, Any] = {
     "T": float,
     "learning": bool,
     "seconds": float,
-    "clock": {"base": float, "count": int},
+    # the last time that was given, and samples since then
+    "base": float,
+    "count": int,
     # each of these is empty or has one number: before the first sample none is known
     "last": list[float],
     "start": list[float],
@@ -42,7 +44,6 @@ _FORM: Mapping[str, Any] = {
     # empty before the first sample and after a failure
     "first": list[float],
     "x": list[float],
-    "tau": list[float],
     "y": list[float],
     "taut": list[bool],
 }
@@ -70,6 +71,7 @@ def unpacked(state: object, setup: Setup) -> dict[str, Any]:
         if told[name] != own:
             raise ResultError(f"it is that of another observer or of other muscles: its {name} differ")
     _check_sizes(told, setup)
+    _check_times(told)
     return told
 
 
@@ -80,13 +82,25 @@ def known(number: float) -> list[float]:
 
 def _check_sizes(told: dict[str, Any], setup: Setup) -> None:
     """ResultError if something is not as many numbers as this observer of these muscles has."""
-    running, width = bool(told["tau"]), len(setup.units)
-    sizes = {"tau": 1, "first": width, "y": width, "x": len(setup.block.x), "taut": len(setup.subject.muscles)}
+    running, width = bool(told["first"]), len(setup.units)
+    begun = running or bool(told["learnt_from"])
+    sizes = {"first": width, "y": width, "x": len(setup.block.x), "taut": len(setup.subject.muscles)}
     wrong = [name for name, size in sizes.items() if len(told[name]) != size * running]
-    wrong += [name for name in ("last", "start", "followed") if len(told[name]) > 1]
+    wrong += [name for name in ("start", "followed", "last") if not begun <= len(told[name]) <= 1]
     wrong += ["learnt_from"] * any(len(row) != 1 + width for row in told["learnt_from"])
-    if wrong or not -1 <= told["clock"]["count"] <= _MOST:
-        raise ResultError(f"its {(*wrong, 'clock')[0]} has another size than this observer's")
+    if wrong or not -1 <= told["count"] <= _MOST:
+        raise ResultError(f"its {(*wrong, 'count')[0]} has another size than this observer's")
+
+
+def _check_times(told: dict[str, Any]) -> None:
+    """ResultError unless the times are those of one clock: else steps of any length would follow."""
+    last = [told["base"] + told["count"] * told["period"]] if told["count"] >= 0 else []
+    samples = [row[0] for row in told["learnt_from"]]
+    rising = [*told["start"], *told["followed"], *told["last"]]
+    if told["last"] != last or rising != sorted(rising):
+        raise ResultError("its times do not belong together")
+    if samples and (samples != sorted(set(samples)) or [samples[0], samples[-1]] != rising[:2]):
+        raise ResultError("the times of its samples do not rise from its start")
 
 
 def _identity(setup: Setup) -> dict[str, Any]:

@@ -159,6 +159,7 @@ def test_an_observer_that_fails_says_when_and_has_no_estimates_from_then_on(shor
         ({"period": -1.0}, "period must be above 0 s, not -1 s"),
         ({"period": "5ms"}, "period must be a number, not '5ms'"),
         ({"period": 0.5}, "a sample every 0.5 s is too few for muscles of v_max = 10/s; at most 0.07 s"),
+        ({"period": 1e-9}, "the period must be at least 1e-06 s, not 1e-09 s"),
         ({"learning": 0}, "learning must be above 0 and at most 600 s, not 0 s"),
         ({"gains": {"high_gain.eps_h": 0.1, "high_gain.eps_L": 0.1}}, "period, in s from sample to sample, must be"),
         ({"gains": {"eps_h": 0.1}}, "'eps_h' is no gain of high_gain"),

@@ -73,19 +73,31 @@ def forged(state: bytes, **changes: Any) -> bytes:
         (lambda state: forged(state, version=2), "it is none of this version of hillobs"),
         (lambda state: forged(state, more=1), "its content has another form"),
         (lambda state: forged(state, x=[math.nan] * 7), "its content has another form"),
-        (lambda state: forged(state, clock={"base": 0.0, "count": 2**80}), "its clock has another size"),
+        (lambda state: forged(state, count=2**80), "its count has another size"),
         (lambda state: forged(state, x=[0.0] * 6), "its x has another size"),
         (lambda state: forged(state, x=[]), "its x has another size"),
         (lambda state: forged(state, y=[0.0] * 4), "its y has another size"),
-        (lambda state: forged(state, tau=[1.0, 2.0]), "its tau has another size"),
+        (lambda state: forged(state, last=[]), "its last has another size"),
+        (lambda state: forged(state, last=[0.2]), "its times do not belong together"),
+        (lambda state: forged(state, base=-1e9), "its times do not belong together"),
+        (lambda state: forged(state, start=[0.2]), "its times do not belong together"),
+        (lambda state: forged(state, followed=[0.2]), "its times do not belong together"),
         (lambda state: forged(state, start=[1.0, 2.0]), "its start has another size"),
         (lambda state: forged(state, learnt_from=[[1.0]]), "its learnt_from has another size"),
-        (lambda state: forged(state, learnt_from=[[1.0, -5.0, 1.0, 1.0]]), "position = -5 m; the mass is between"),
-        (lambda state: forged(state, learnt_from=[[1.0, 0.3, 1.0, 1.0]] * 2), "the times of its samples do not rise"),
+        (
+            lambda state: forged(state, learnt_from=[[0.0, -5.0, 1.0, 1.0], [0.095, 0.3, 1.0, 1.0]]),
+            "position = -5 m; the mass is between",
+        ),
+        (
+            lambda state: forged(state, learnt_from=[[1.0, 0.3, 1.0, 1.0]] * 2),
+            "the times of its samples do not rise from",
+        ),
         (lambda state: forged(state, gains={}), "its gains are not those of this observer"),
         (lambda state: forged(state, gains={**GAINS, "high_gain.m": -1.0}), "high_gain.m must be above 0, not -1"),
         (lambda state: forged(state, learning=True), "its gains are not those of this observer"),
-        (lambda state: forged(state, period=-1.0), "the period must be above 0 s, not -1 s"),
+        (lambda state: forged(state, period=-1.0), "the period must be at least 1e-06 s, not -1 s"),
+        (lambda state: forged(state, T=-1.0), "the period must be at least 1e-06 s, not -0.1 s"),
+        (lambda state: forged(state, T=1e-300), "the period must be at least 1e-06 s, not 1e-301 s"),
         (lambda state: forged(state, T=0.0), "the period must be above 0 s, not 0 s"),
         (lambda state: forged(state, T=1e9), "is too few for muscles of v_max = 10/s"),
         (lambda state: forged(state, seconds=1e9), "learning must be above 0 and at most 600 s, not 1e+09 s"),
@@ -115,10 +127,10 @@ NUMBERS = st.floats(allow_nan=False, allow_infinity=False)
 @settings(max_examples=30)
 @given(st.lists(NUMBERS, min_size=7, max_size=7), st.lists(NUMBERS, min_size=3, max_size=3), NUMBERS, NUMBERS)
 def test_whatever_numbers_are_in_a_state_samples_are_followed_or_refused(
-    state: bytes, x: list[float], y: list[float], tau: float, last: float
+    state: bytes, x: list[float], y: list[float], start: float, last: float
 ) -> None:
-    changed = forged(state, x=x, y=y, first=y, tau=[tau], last=[last], followed=[last])
-    follower = hillobs.follow(MUSCLES, "high_gain", state=changed)
+    times = {"start": [min(start, last)], "followed": [last], "last": [last], "base": last, "count": 0}
+    follower = hillobs.follow(MUSCLES, "high_gain", state=forged(state, x=x, y=y, first=y, **times))
     for i in range(3):
         try:
             follower.step(0.31, 380.0, 380.0, time=0.2 + i * PERIOD)
