@@ -4,6 +4,7 @@
     errors = hillobs.sweep("paper-noisy", {"high_gain.eps_h": [0.05, 0.1, 0.2]}, seeds=16)
     estimates = hillobs.estimate("run.csv", "pair.toml")         # from a recording, in SI
     estimates = hillobs.estimate("arm.sto", "arm.toml")          # of joints and any number of muscles
+    follower = hillobs.follow("pair.toml", "high_gain")          # sample by sample, as they come
     hillobs.observability(place={"x3": 1.99}).verdict            # can these sensors see this state?
 
 Results are xarray.Datasets. Your own observer is a `Block`; `conformance(block)` says what is wrong with one.
@@ -34,6 +35,9 @@ if TYPE_CHECKING:
     from .studies.laboratory.mechanisms.reading import read_mechanism
     from .studies.laboratory.muscles import Muscle, MusclePair, read_muscles
     from .studies.laboratory.recording import Recording, read_recording
+    from .studies.live.estimate import Estimate
+    from .studies.live.follower import Follower
+    from .studies.live.run import follow
     from .studies.observability.point import observability
     from .studies.simulate.run import RunWarning, simulate
     from .studies.sweep.axes import Range
@@ -61,6 +65,9 @@ _NAMES = {
     ".studies.laboratory.mechanisms.reading": ("read_mechanism",),
     ".studies.laboratory.muscles": ("Muscle", "MusclePair", "read_muscles"),
     ".studies.laboratory.recording": ("Recording", "read_recording"),
+    ".studies.live.estimate": ("Estimate",),
+    ".studies.live.follower": ("Follower",),
+    ".studies.live.run": ("follow",),
     ".studies.observability.point": ("observability",),
     ".studies.simulate.run": ("RunWarning", "simulate"),
     ".studies.sweep.axes": ("Range",),
@@ -94,6 +101,8 @@ __all__ = [
     "ClusterError",
     "ClusterWarning",
     "Error",
+    "Estimate",
+    "Follower",
     "Joint",
     "Link",
     "Mechanism",
@@ -118,6 +127,7 @@ __all__ = [
     "constant_moment_arms",
     "estimate",
     "fit",
+    "follow",
     "load",
     "observability",
     "polynomial",

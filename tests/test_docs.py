@@ -1,6 +1,7 @@
 """The Python of all pages runs as printed, their commands parse, their links lead somewhere, and they are shipped."""
 
 import gzip
+import itertools
 import re
 import shlex
 import tomllib
@@ -85,9 +86,8 @@ NAMED = re.compile(r"`(?:\.venv/bin/)?hillobs ([^`]+)`")
 
 
 def arguments(line: str) -> list[str]:
-    """The words after `hillobs`, without remarks, optional words in brackets and the file that the shell writes."""
-    given = shlex.split(line, comments=True)
-    given = given[: given.index(">")] if ">" in given else given
+    """The words after `hillobs`, without remarks, optional words in brackets and what the shell reads or writes."""
+    given = itertools.takewhile(lambda word: word not in ("<", ">", "|"), shlex.split(line, comments=True))
     return [word for word in given if not word.startswith("[")]
 
 

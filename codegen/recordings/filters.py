@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -38,6 +39,15 @@ class _Filter(ctypes.Structure):
         ("failed", ctypes.c_int64),
         ("cause", ctypes.c_int64),
     )
+
+
+@dataclass(frozen=True)
+class State:
+    """Where an observer stands: its states, and the sample that it has seen last, at time t."""
+
+    x: list[float]
+    t: float
+    y: list[float]
 
 
 @dataclass(frozen=True)
@@ -81,7 +91,7 @@ class CompiledBank:
 
 
 class Filter:
-    """One observer under way; each call of `samples` goes on where the last one ended."""
+    """One observer under way; each call of `samples` or `sample` goes on where the last one ended."""
 
     def __init__(self, compiled: CompiledBank, observer: str, numbers: Array, substeps: int) -> None:
         bank = compiled.bank
@@ -106,7 +116,14 @@ class Filter:
         self._filter = _Filter(substeps=substeps, failed=-1)
         for key, array in self._arrays.items():
             setattr(self._filter, key, array.ctypes.data)
-        self._last: tuple[Array, Array] | None = None
+        self._begun = False
+        # the sample before the last, and the last
+        self._t, self._y = np.zeros(2), np.zeros((2, len(bank.measured)))
+        self._rows: Array = np.full((2, len(self._block.y) + len(self._block.guards)), np.nan)
+        # their numbers, quicker to reach one by one
+        self._views: Any = self._t.data, self._y.reshape(-1).data
+        self._places = [[array[i:].ctypes.data for array in (self._t, self._y, self._rows)] for i in (0, 1)]
+        self._pointer = ctypes.byref(self._filter)
         self.failure: Failure | None = None
 
     @property
@@ -114,32 +131,70 @@ class Filter:
         """The observer."""
         return self._block
 
+    @property
+    def row(self) -> Array:
+        """Its outputs, then its guards, at the last sample, in memory that stays; NaN from a failure on."""
+        last: Array = self._rows[1]
+        return last
+
+    @property
+    def state(self) -> State:
+        """Where it stands, after a sample at least."""
+        x = self._arrays["x"][: len(self._block.x), 0]
+        return State(x.tolist(), float(self._t[1]), self._y[1].tolist())
+
+    def go_on_from(self, state: State) -> None:
+        """Take the place of a filter with the same numbers, from where that stood."""
+        self._arrays["x"][: len(self._block.x)] = np.array(state.x)[:, None]
+        self._t[1], self._y[1], self._begun = state.t, state.y, True
+
     def samples(self, t: Array, y: Array) -> Followed:
         """What it makes of the samples at times t (n), measurements y (n × measured), of the Block's time unit."""
-        width = len(self._block.y) + len(self._block.guards)
-        results = np.full((len(t), width), np.nan)
+        results = np.full((len(t), len(self.row)), np.nan)
         step = max(1, _SLICE // self._substeps)
         for start in range(0, len(t), step):
             if self.failure:
                 break
-            results[start : start + step] = self._slice(t[start : start + step], y[start : start + step], width)
+            results[start : start + step] = self._slice(t[start : start + step], y[start : start + step])
+        if len(t):
+            self.row[:] = results[-1]
         return Followed(results[:, : len(self._block.y)], results[:, len(self._block.y) :])
 
-    def _slice(self, t: Array, y: Array, width: int) -> Array:
+    def sample(self, t: float, y: Sequence[float]) -> None:
+        """Go on to one sample, without taking memory; the result is `row`."""
+        if self.failure:
+            return
+        times, values = self._views
+        measured = len(y)
+        times[0], times[1] = times[1], t
+        values[:measured] = values[measured:]
+        for i, value in enumerate(y, measured):
+            values[i] = value
+        if self._call(1 + self._begun, *self._places[not self._begun]) >= 0:
+            self.row[:] = np.nan
+            self._fail(t)
+        self._begun = True
+
+    def _slice(self, t: Array, y: Array) -> Array:
         # the last sample is passed again: measurements are interpolated linearly from it to the next
-        begun = self._last is not None
-        times = np.ascontiguousarray(t if self._last is None else np.concatenate([self._last[0], t]), dtype=float)
-        values = np.ascontiguousarray(y if self._last is None else np.concatenate([self._last[1], y]), dtype=float)
-        results = np.full((len(times), width), np.nan)
-        self._filter.begun, self._filter.n = int(begun), len(times)
-        self._filter.t, self._filter.y = times.ctypes.data, values.ctypes.data
-        self._filter.results = results.ctypes.data
-        self._compiled.dll.hillobs_follow(self._which, ctypes.byref(self._filter))
-        self._last = times[-1:], values[-1:]
-        if (at := int(self._filter.failed)) >= 0:
-            scales = self._arrays["scales"][:, 0]
-            self.failure = failure(self._block, float(times[at]), int(self._filter.cause), scales)
-        return results[int(begun) :]
+        begun = int(self._begun)
+        times = np.ascontiguousarray(np.concatenate([self._t[2 - begun :], t]), dtype=float)
+        values = np.ascontiguousarray(np.concatenate([self._y[2 - begun :], y]), dtype=float)
+        results = np.full((len(times), len(self.row)), np.nan)
+        if (at := self._call(len(times), times.ctypes.data, values.ctypes.data, results.ctypes.data)) >= 0:
+            self._fail(float(times[at]))
+        self._t[1], self._y[1], self._begun = times[-1], values[-1], True
+        return results[begun:]
+
+    def _call(self, n: int, t: int, y: int, results: int) -> int:
+        """Follow n samples, the first of which was seen if any was; the sample of a failure, or −1."""
+        filter_ = self._filter
+        filter_.begun, filter_.n, filter_.t, filter_.y, filter_.results = self._begun, n, t, y, results
+        self._compiled.dll.hillobs_follow(self._which, self._pointer)
+        return int(filter_.failed)
+
+    def _fail(self, t: float) -> None:
+        self.failure = failure(self._block, t, int(self._filter.cause), self._arrays["scales"][:, 0])
 
 
 def export_bank(bank: Bank) -> Source:

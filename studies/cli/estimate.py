@@ -41,7 +41,7 @@ from .shell.options import (
 )
 from .shell.own_observers import loaded
 from .shell.stopping import Stopped
-from .shell.subjects import subject_asked_for
+from .shell.subjects import subject_asked_for, subject_options
 from .shell.terminal import NUMERICAL, bar, complain, print_table, say
 
 _KALMAN_TOO = "--observer kalman also says what noise leaves open, smooths, and judges recording and muscles"
@@ -51,8 +51,7 @@ _STEM = "estimates"
 
 @click.command()
 @click.argument("recording", metavar="RECORDING")
-@click.option("--muscles", metavar="FILE.toml", help="A pair of muscles in SI, see docs/recordings.md.")
-@click.option("--mechanism", metavar="FILE.toml", help="Or joints and muscles, see docs/mechanisms.md.")
+@subject_options()
 @observer_option()
 @corrected_option(default=True)
 @mapping_option()

@@ -23,6 +23,7 @@ _COMMANDS: Mapping[str, tuple[str, str]] = {
     "simulate": ("simulate", "Simulate scenarios: measures, results, figures."),
     "sweep": ("sweep", "Run a scenario over parameters and seeds."),
     "estimate": ("estimate", "Estimate activations and more from a recording."),
+    "live": ("live", "Estimate from samples as they come, line by line."),
     "import": ("importing", "Make a mechanism file of an OpenSim model."),
     "fit": ("fit", "Find the Kalman filter's densities by likelihood."),
     "observability": ("observability", "Say what some sensors determine at a point."),

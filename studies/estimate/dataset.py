@@ -21,6 +21,7 @@ from ..laboratory.subject import subject_again
 from ..simulate.failures import observer_failure
 from .bands.band import deviations
 from .case import Case, Result
+from .quantities import quantities_of
 
 # what a recording may know: name → sentence, and the unit if it is none of the joint
 TRUE: Mapping[str, tuple[str, str]] = {
@@ -78,37 +79,29 @@ def estimate_dataset(case: Case, results: Mapping[str, Result], library: str) ->
         return of_muscle(of_observers, active.transpose(0, 2, 1).astype(np.int8), "1", _LIMITED[signal])
 
     def of_joint(dims: tuple[str, ...], values: Array, quantity: str, sentence: str) -> Variable:
-        about = _about(_unit(s.sliding, quantity), sentence)
+        about = _about(unit_of_joints(s.sliding, quantity), sentence)
         return ((*dims, "joint"), values, about) if subject.joints else (dims, values[..., 0], about)
 
     def of_muscle(dims: tuple[str, ...], values: np.ndarray[Any, Any], unit: str, sentence: str) -> Variable:
         return (*dims, "muscle"), values, _about(unit, sentence)
 
-    q, Delta, L_S, u = (
-        stacked(names) for names in (system.joint("q"), system.joint("Delta"), *map(system.muscle, ("L_S", "u")))
-    )
-    L_C, along = subject.fibres(q, L_S)
+    q, L_S, told = stacked(system.joint("q")), stacked(system.muscle("L_S")), stacked(system.quantities)
+    of = quantities_of(subject)(told)
     data: dict[str, Variable] = {
         "position": of_joint(("time",), s.positions(y[:, :joints]), "position", "measured positions"),
         "force": of_muscle(("time",), y[:, joints:] * s.force, "N", "measured tendon forces"),
-        "position_hat": of_joint(of_observers, s.positions(q), "position", "estimated positions"),
-        "velocity_hat": of_joint(
-            of_observers, s.velocities(stacked(system.joint("dq"))), "velocity", "estimated velocities"
-        ),
-        "disturbance_hat": of_joint(
-            of_observers, subject.disturbance(q, Delta), "disturbance", "estimated external forces"
-        ),
-        "tendon_length_hat": of_muscle(of_observers, s.metres(L_S), "m", "estimated tendon lengths"),
-        "fibre_length_hat": of_muscle(of_observers, L_C, "m", "estimated fibre lengths"),
+        "position_hat": of_joint(of_observers, of["position"], "position", "estimated positions"),
+        "velocity_hat": of_joint(of_observers, of["velocity"], "velocity", "estimated velocities"),
+        "disturbance_hat": of_joint(of_observers, of["disturbance"], "disturbance", "estimated external forces"),
+        "tendon_length_hat": of_muscle(of_observers, of["tendon_length"], "m", "estimated tendon lengths"),
+        "fibre_length_hat": of_muscle(of_observers, of["fibre_length"], "m", "estimated fibre lengths"),
         "fibre_velocity_hat": of_muscle(
             of_observers,
-            s.fibre_velocity(u) * along,
+            of["fibre_velocity"],
             "m/s",
             "estimated fibre velocities, positive when the fibre lengthens",
         ),
-        "activation_hat": of_muscle(
-            of_observers, stacked(system.muscle("a")), "1", "estimated activations, within [0, 1]"
-        ),
+        "activation_hat": of_muscle(of_observers, of["activation"], "1", "estimated activations, within [0, 1]"),
         "position_innovation": of_joint(
             of_observers, s.positions(y[:, :joints] - q), "position", "measured less estimated positions"
         ),
@@ -135,7 +128,7 @@ def estimate_dataset(case: Case, results: Mapping[str, Result], library: str) ->
             {"long_name": "the muscles in SI, and what they pull, as JSON"},
         ),
     }
-    data |= deviations(case, results, {name: _unit(s.sliding, name) for name in _UNITS})
+    data |= deviations(case, results, {name: unit_of_joints(s.sliding, name) for name in _UNITS})
     for name, (unit, sentence) in TRUE.items():
         columns = subject.names.get(name, ())
         if columns and all(column in recording.true for column in columns):
@@ -157,8 +150,8 @@ _LIMITED = {
 }
 
 
-def _unit(sliding: Sequence[bool], quantity: str) -> str:
-    """That of all joints, or both if some slide and some turn."""
+def unit_of_joints(sliding: Sequence[bool], quantity: str) -> str:
+    """The unit of a quantity of joints, or both if some slide and some turn."""
     slides, turns = _UNITS[quantity]
     return slides if all(sliding) else f"{slides}{_OR}{turns}" if any(sliding) else turns
 
@@ -225,6 +218,10 @@ def _manifest(case: Case, results: Mapping[str, Result], library: str) -> dict[s
 
 
 def _explain(case: Case, name: str, failure: Failure, violated: Sequence[Checked]) -> str:
-    time = case.recording.time[0] + failure.time / case.scales.rate
+    return explained(name, failure, case.recording.time[0] + failure.time / case.scales.rate, violated)
+
+
+def explained(name: str, failure: Failure, time: float, violated: Sequence[Checked] = ()) -> str:
+    """Why an observer has no estimates from a time on, in s; violated: its gain conditions that do not hold."""
     likely = "the gains are too fast or unstable, or the data too wild"
     return observer_failure(name, failure, f"at {time:.4g} s", [condition.name for condition in violated], likely)

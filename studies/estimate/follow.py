@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,11 +18,16 @@ from ...model.system import System
 from ...observers import Observer, estimator_of
 from ...observers.slopes import tendon_slopes
 from ...observers.tendons import tendons, tendons_of_a_step
+from ..files.errors import ScenarioError
+from ..kalman.orders import SECOND_PASS
+from ..laboratory.subject import Subject
+from ..scenarios.observers import compiled_with, own_among, refuse_taken
+from ..scenarios.paths import Paths, paths_of
 
 # samples between two words of progress
 _CHUNK = 65_536
 # periods that a step may be longer than usual; RK4 has 10 % before it is unstable
-_JITTER = 0.05
+JITTER = 0.05
 _LENGTHS = "lengths"
 
 
@@ -40,6 +46,37 @@ def fitted_blocks(system: System, corrected: bool, observers: tuple[Observer, ..
         observer.apart(system) if observer.apart and not system.paper else estimator_of(observer, corrected, system)
         for observer in several
     )
+
+
+def chosen_bank(subject: Subject, corrected: bool, chosen: Mapping[str, Observer]) -> Bank:
+    """A library's observers, with those that were chosen. ScenarioError for one that no recording can be given to."""
+    bank = follower_bank(subject.system, corrected, _compiled(subject, chosen))
+    own = own_among(chosen)
+    refuse_taken(own, {lengths_block(bank).name})
+    for name, observer in own.items():
+        if observer.block().per_step:
+            raise ScenarioError(f"{name} moves at the points of a time grid, and a recording has none")
+    return bank
+
+
+def chosen_whole(subject: Subject, corrected: bool, chosen: Mapping[str, Observer]) -> tuple[Block, ...]:
+    """Those that a recording is given to as a whole."""
+    return fitted_blocks(subject.system, corrected, _compiled(subject, chosen))
+
+
+def _compiled(subject: Subject, chosen: Mapping[str, Observer]) -> tuple[Observer, ...]:
+    """Those of its library: of a mechanism those that are made of chains, and what was asked for."""
+    banked = compiled_with(chosen)
+    if subject.pair:
+        return banked
+    return tuple(observer for observer in banked if observer.chains or observer in chosen.values())
+
+
+def observer_paths(system: System, bank: Bank, whole: Iterable[Block]) -> Paths:
+    """All numbers of the observers, with those of the pair's second pass, which no Block has."""
+    paths = paths_of([*bank.observers, *whole])
+    second = {f"{block.name}.{name}": parameter for block in whole for name, parameter in SECOND_PASS.items()}
+    return replace(paths, parameters={**second, **paths.parameters}) if system.paper else paths
 
 
 @functools.lru_cache(maxsize=8)
@@ -68,16 +105,16 @@ def followed(filter_: Filter, period: float, t: Array, y: Array) -> Iterator[tup
     """
     for start in range(0, len(t), _CHUNK):
         piece, before = slice(start, start + _CHUNK), slice(max(0, start - 1), start + _CHUNK)
-        times, values, places = _filled(t[before], y[before], period)
+        times, values, places = filled(t[before], y[before], period)
         new = min(start, 1)  # the last sample of the piece before has been seen
         passed = filter_.samples(times[new:], values[new:])
         places = places[new:] - new
         yield piece, passed.y[places], passed.guards[places]
 
 
-def _filled(t: Array, y: Array, period: float) -> tuple[Array, Array, NDArray[np.int64]]:
+def filled(t: Array, y: Array, period: float) -> tuple[Array, Array, NDArray[np.int64]]:
     """Samples with further ones in straight lines wherever a step is longer than usual, and the places of the given."""
-    parts = np.maximum(np.ceil(np.diff(t) / period - _JITTER), 1)
+    parts = np.maximum(np.ceil(np.diff(t) / period - JITTER), 1)
     places = np.concatenate([[0], np.cumsum(parts)]).astype(np.int64)
     if places[-1] == len(t) - 1:
         return t, y, places

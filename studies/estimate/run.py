@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
@@ -12,18 +12,15 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from ...codegen.bank import Bank
 from ...codegen.recordings.filters import CompiledBank
 from ...model.arrays import Array
 from ...model.block import Block
-from ...model.system import System
 from ...observers import OBSERVERS, Observer
 from ..files.errors import RecordingError, ScenarioError
 from ..files.numbers import number, switch, whole
 from ..files.progress import Progress, shares, unseen
 from ..files.quote import shown, table
 from ..kalman.apart.record import RecordApart
-from ..kalman.orders import SECOND_PASS
 from ..kalman.record import Record
 from ..kalman.run import AUTO, FORMS
 from ..laboratory.gaps import bridged, refuse_impossible, refuse_long_steps
@@ -33,29 +30,18 @@ from ..laboratory.recording import Recording, read_recording
 from ..laboratory.samples import MOST_NUMBERS
 from ..laboratory.subject import Subject, pair_subject, subject_of
 from ..scenarios.layers import Value
-from ..scenarios.observers import Observers, compiled_with, observers_named, own_among, refuse_taken
-from ..scenarios.paths import Paths, paths_of
-from ..scenarios.scenario import checked_number
+from ..scenarios.observers import Observers, observers_named
+from ..scenarios.paths import Paths
 from .bands.doubt import doubts
 from .bands.muscle import compile_sensitivities
 from .case import Case, Result, Settings
 from .conditions import gain_conditions
 from .dataset import estimate_dataset
 from .fitted import compile_passes, fitted_result, pair_record, record_apart
-from .follow import (
-    compiled_bank,
-    fitted_blocks,
-    followed,
-    follower_bank,
-    lengths_block,
-    measured_tendons,
-)
+from .follow import chosen_bank, chosen_whole, compiled_bank, followed, lengths_block, measured_tendons, observer_paths
 from .sizes.first_pass import compile_first_pass, first_pass
-from .start import at_rest
-from .substeps import substeps
+from .start import at_rest, begun, gains_by_hand, gains_of_block, gains_of_rule, too_rare
 
-# periods of the muscles' own time 1/v_max between samples beyond which nothing can be followed
-_LONGEST_PERIOD = 0.7
 # estimates of a sample with their standard deviations; 250 million numbers are 2 GB
 _NUMBERS, _MOST_NUMBERS = 50, 250_000_000
 
@@ -97,8 +83,9 @@ def estimate(
     """
     chosen = observers_named(observers)
     subject = subject_of(muscles)
-    bank, whole = _bank(subject, switch("corrected", corrected), chosen), _whole(subject, corrected, chosen)
-    paths = _paths(subject.system, bank, whole)
+    bank = chosen_bank(subject, switch("corrected", corrected), chosen)
+    whole = chosen_whole(subject, corrected, chosen)
+    paths = observer_paths(subject.system, bank, whole)
     settings = _settings(corrected, changes or {}, keep_every, paths, chosen)
     settings = replace(settings, **_smoothing(chosen, form, smooth, lag))
     known = doubts(subject, {} if doubt is None else doubt, switch("usual_doubt", usual_doubt))
@@ -122,7 +109,7 @@ def compile_observers(subject: Subject, observers: Observers = None, corrected: 
     """Compile what `estimate` needs for these, or load it from the cache: once, and then estimates begin at once."""
     compile_first_pass(subject.system)
     chosen = observers_named(observers)
-    compiled_bank(_bank(subject, corrected, chosen))
+    compiled_bank(chosen_bank(subject, corrected, chosen))
     compile_sensitivities(subject)
     if any(observer.fitted for observer in chosen.values()):
         compile_passes(subject.system)
@@ -149,40 +136,10 @@ def recorded_apart(
 
 def _recorded(read: Recording, subject: Subject, changes: Mapping[str, float]) -> tuple[Case, dict[str, float]]:
     chosen = observers_named(KALMAN)
-    bank, (block,) = _bank(subject, True, chosen), _whole(subject, True, chosen)
-    paths = _paths(subject.system, bank, [block])
+    bank, (block,) = chosen_bank(subject, True, chosen), chosen_whole(subject, True, chosen)
+    paths = observer_paths(subject.system, bank, [block])
     case = _case(read, subject, compiled_bank(bank), paths, Settings(True, changes, 1), {})
     return case, _numbers(case, paths, block)
-
-
-def _bank(subject: Subject, corrected: bool, chosen: Mapping[str, Observer]) -> Bank:
-    bank = follower_bank(subject.system, corrected, _compiled(subject, chosen))
-    own = own_among(chosen)
-    refuse_taken(own, {lengths_block(bank).name})
-    for name, observer in own.items():
-        if observer.block().per_step:
-            raise ScenarioError(f"{name} moves at the points of a time grid, and a recording has none")
-    return bank
-
-
-def _whole(subject: Subject, corrected: bool, chosen: Mapping[str, Observer]) -> tuple[Block, ...]:
-    """Those that a recording is given to as a whole."""
-    return fitted_blocks(subject.system, corrected, _compiled(subject, chosen))
-
-
-def _compiled(subject: Subject, chosen: Mapping[str, Observer]) -> tuple[Observer, ...]:
-    """Those of its library: of a mechanism those that are made of chains, and what was asked for."""
-    banked = compiled_with(chosen)
-    if subject.pair:
-        return banked
-    return tuple(observer for observer in banked if observer.chains or observer in chosen.values())
-
-
-def _paths(system: System, bank: Bank, whole: Iterable[Block]) -> Paths:
-    """All numbers of the observers, with those of the pair's second pass, which no Block has."""
-    paths = paths_of([*bank.observers, *whole])
-    second = {f"{block.name}.{name}": parameter for block in whole for name, parameter in SECOND_PASS.items()}
-    return replace(paths, parameters={**second, **paths.parameters}) if system.paper else paths
 
 
 def _smoothing(chosen: Mapping[str, Observer], form: str, smooth: bool, lag: float) -> dict[str, Any]:
@@ -205,14 +162,7 @@ def _settings(
 ) -> Settings:
     """What was asked for, checked before anything is read. ScenarioError says what is wrong."""
     keep_every = whole("keep_every", keep_every, 1, MOST_NUMBERS)
-    numbers: dict[str, float] = {}
-    for path, value in table("changes", changes).items():
-        if path.partition(".")[0] not in chosen:
-            raise ScenarioError(
-                f"{shown(path)} is no gain of {', '.join(chosen)}; the muscle file has all other numbers"
-            )
-        numbers[path] = checked_number(path, value, paths)
-    return Settings(corrected, paths.spread(numbers), keep_every)
+    return Settings(corrected, gains_by_hand(table("changes", changes), chosen, paths), keep_every)
 
 
 def _check_size(samples: int, keep_every: int, observers: int) -> None:
@@ -241,11 +191,8 @@ def _case(
     joints = len(system.joints)
     y = np.column_stack([inputs[:, :joints] / s.coordinates, s.forces(inputs[:, joints:])])
     period = float(np.median(np.diff(tau)))
-    if period > _LONGEST_PERIOD:
-        raise RecordingError(
-            f"{read.source}: a sample every {period / s.rate:.3g} s is too few for muscles of v_max = {s.rate:g}/s; "
-            f"at most {_LONGEST_PERIOD / s.rate:.3g} s; is time in another unit?"
-        )
+    if objection := too_rare(period / s.rate, s):
+        raise RecordingError(f"{read.source}: {objection}; is time in another unit?")
     refuse_long_steps(read)
     z, slopes = measured_tendons(compiled, np.array(paths.values(lengths_block(compiled.bank), s.numbers)), y)
     sizes = first_pass(subject.laws, y, z, period, tau)
@@ -267,18 +214,13 @@ def _follow(
     case: Case, compiled: CompiledBank, paths: Paths, block: Block, observer: Observer, progress: Progress
 ) -> Result:
     name = block.name
-    system = case.subject.system
-    rule = {f"{name}.{gain}": value for gain, value in observer.gains_of(system, case.sizes, case.period).items()}
-    by_hand = {path: value for path, value in case.settings.changes.items() if path.partition(".")[0] == name}
-    # an observer that is not corrected has no use for some
-    gains = {path: value for path, value in {**rule, **by_hand}.items() if path.partition(".")[2] in block.p}
-    numbers = paths.values(block, {**case.scales.numbers, **gains, **_start(case)})
-    first = {"t": 0.0, **dict(zip((*system.measured, *system.tendons), [*case.y[0], *case.z[0]], strict=True))}
-    by_name = dict(zip(block.p, numbers, strict=True))
-    steps = substeps(observer, system, block, by_name, first, case.period)
-    checked = gain_conditions(observer, system, by_name, case.sizes, case.period / steps)
+    rule = gains_of_rule(observer, case.subject.system, block, case.sizes, case.period)
+    gains = {**rule, **gains_of_block(block, case.settings.changes)}
+    first = [*case.y[0], *case.z[0]]
+    numbers, steps = begun(observer, case.subject, paths, block, gains, first, case.period)
+    checked = gain_conditions(observer, case.subject.system, numbers, case.sizes, case.period / steps)
     violated = [condition for condition in checked if not condition.holds]
-    filter_ = compiled.follow(name, np.array(numbers), steps)
+    filter_ = compiled.follow(name, list(numbers.values()), steps)
     kept = len(range(len(case.tau))[case.kept])
     y, guards, place = np.empty((kept, len(block.y))), np.empty((kept, len(block.guards))), 0
     # what moves at samples only knows how long a step is, and needs none filled in

@@ -1,11 +1,86 @@
-"""Where the estimates of a recording start."""
+"""How an observer starts on a recording: its gains, where its estimates begin, and its steps from sample to sample."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 
+from ...model.block import Block
 from ...model.symbols import hat
 from ...model.system import System
+from ...observers import Observer
+from ...observers.observer import SystemSizes
+from ..files.errors import ScenarioError
+from ..files.quote import shown
+from ..laboratory.scales import Scales
+from ..laboratory.subject import Subject
+from ..scenarios.layers import Value
+from ..scenarios.paths import Paths, block_paths
+from ..scenarios.scenario import checked_number
+from .substeps import substeps
+
+# periods of the muscles' own time 1/v_max between samples beyond which nothing can be followed
+_LONGEST_PERIOD = 0.7
+
+
+def longest_period(scales: Scales) -> float:
+    """How far samples may usually be apart, in s."""
+    return _LONGEST_PERIOD / scales.rate
+
+
+def too_rare(period: float, scales: Scales) -> str:
+    """Why samples that are a period apart, in s, cannot be followed; empty if they can."""
+    if period <= longest_period(scales):
+        return ""
+    return (
+        f"a sample every {period:.3g} s is too few for muscles of v_max = {scales.rate:g}/s; "
+        f"at most {longest_period(scales):.3g} s"
+    )
+
+
+def gains_by_hand(changes: Mapping[str, Value], chosen: Collection[str], paths: Paths) -> dict[str, float]:
+    """Path → value of gains that are given. ScenarioError for what is no gain of an observer that was chosen."""
+    numbers: dict[str, float] = {}
+    for path, value in changes.items():
+        if path.partition(".")[0] not in chosen:
+            raise ScenarioError(
+                f"{shown(path)} is no gain of {', '.join(chosen)}; the muscle file has all other numbers"
+            )
+        numbers[path] = checked_number(path, value, paths)
+    return paths.spread(numbers)
+
+
+def gains_of_rule(observer: Observer, system: System, block: Block, sizes: SystemSizes, T: float) -> dict[str, float]:
+    """Path → value of the gains of `block`, which `observer` has built, for a recording of a sampling period T."""
+    gains = observer.gains_of(system, sizes, T)
+    return gains_of_block(block, {f"{block.name}.{gain}": value for gain, value in gains.items()})
+
+
+def gains_of_block(block: Block, gains: Mapping[str, float]) -> dict[str, float]:
+    """Its own among the gains, path → value: an observer that is not corrected has no use for some."""
+    own = block_paths(block)
+    return {path: value for path, value in gains.items() if path in own}
+
+
+def begun(
+    observer: Observer,
+    subject: Subject,
+    paths: Paths,
+    block: Block,
+    gains: Mapping[str, float],
+    first: Sequence[float],
+    T: float,
+) -> tuple[dict[str, float], int]:
+    """The numbers of `block` by name, x̂(0) among them, and its RK4 steps in a sampling period T.
+
+    first: what is measured at the first sample, then the tendon lengths that this tells, dimensionless.
+    """
+    system = subject.system
+    joints, measured = len(system.joints), len(system.measured)
+    rest = at_rest(system, [*first[:joints], *first[measured:]])
+    values = paths.values(block, {**subject.scales.numbers, **gains, **rest})
+    numbers = dict(zip(block.p, values, strict=True))
+    inputs = {"t": 0.0, **dict(zip((*system.measured, *system.tendons), first, strict=True))}
+    return numbers, substeps(observer, system, block, numbers, inputs, T)
 
 
 def at_rest(system: System, first: Sequence[float]) -> dict[str, float]:

@@ -27,14 +27,14 @@ _SWAPPED = str.maketrans(",.", ".,")
 class Cells:
     """Reads blocks of lines, one after the other, as numbers of some columns; a gap is NaN.
 
-    labels: the names of all columns, for messages. used: the places of those that are read.
+    labels: the names of all columns, for messages. used: the places of those that are read. row: that of the next line.
     """
 
     def __init__(self, labels: tuple[str, ...], used: list[int], delimiter: str, first_row: int) -> None:
         self._labels = labels
         self._used = used
         self._delimiter = delimiter
-        self._row = first_row
+        self.row = first_row
         # the decimal mark, once one was seen: of a file with commas between its cells it is the point
         self._mark = "." if delimiter in ", " else ""
         mark = b"\t" if delimiter == " " else delimiter.encode()
@@ -51,8 +51,8 @@ class Cells:
         if values is None:
             rows, values = self._carefully(block)
         else:
-            rows = np.arange(self._row, self._row + count, dtype=np.int64)
-        self._row += count
+            rows = np.arange(self.row, self.row + count, dtype=np.int64)
+        self.row += count
         there = ~np.isnan(values).all(axis=1)
         return (rows, values) if there.all() else (rows[there], values[there])
 
@@ -97,7 +97,7 @@ class Cells:
 
     def _carefully(self, block: bytes) -> tuple[Rows, Array]:
         rows, values = [], []
-        for row, raw in enumerate(block.split(b"\n")[:-1], start=self._row):
+        for row, raw in enumerate(block.split(b"\n")[:-1], start=self.row):
             line = text_of(raw).strip(" ")
             if not line.strip(BLANKS) or line.startswith("#"):
                 continue

@@ -117,11 +117,12 @@ def choose(
     mapping: Mapping[str, str],
     known: Columns = COLUMNS,
     in_degrees: bool = False,
+    timeless: bool = False,
 ) -> list[Column]:
     """The columns of a file that are known by name or by `mapping` (name → label, or `label[unit]`), time first.
 
     labels: the names of all columns. units: a unit for each from elsewhere, empty where there is none. in_degrees: what
-    turns is in degrees where nothing else is said.
+    turns is in degrees where nothing else is said. timeless: time may be missing.
     RecordingError if time or what is required is missing, a unit is wrong, or a name is there twice.
     """
     for name in mapping:
@@ -147,7 +148,7 @@ def choose(
         given = (asked, _written_unit(labels[index], plain[index], asked, quantity), units[index])
         usual = IN_DEGREES.get(quantity, SI[quantity]) if in_degrees else SI[quantity]
         columns[name] = Column(name, labels[index].strip(), index, _agreed(given, quantity, usual, labels[index]))
-    for name in ("time", *known.required):
+    for name in (*(() if timeless else ("time",)), *known.required):
         if name not in columns and f"{name}_measured" not in columns:
             taken_by = [column.name for column in columns.values() if plain[column.index][0] == name]
             why = f"{shown(name)} is mapped to {taken_by[0]}" if taken_by else _there(name, labels)

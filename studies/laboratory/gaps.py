@@ -7,8 +7,9 @@ from numpy.typing import NDArray
 
 from ...model.arrays import Array
 from ..files.errors import RecordingError
+from .muscles import Muscle
 from .recording import Recording
-from .subject import Subject
+from .subject import Bound, Subject
 
 # seconds; a muscle does not do much in it
 LONGEST_GAP = 0.1
@@ -39,35 +40,43 @@ def bridged(recording: Recording) -> tuple[Array, NDArray[np.bool_]]:
     return inputs, np.asarray(missing.any(axis=1))
 
 
+def bounds(subject: Subject) -> dict[str, Bound]:
+    """What each measured column may be: a position that can be, a force near those that a muscle can make."""
+    return {**subject.positions, **{name: _of_force(muscle) for name, muscle in subject.forces.items()}}
+
+
+def _of_force(muscle: Muscle) -> Bound:
+    least, most = (part * muscle.F_max for part in (_LOWEST_FORCE, _HIGHEST_FORCE))
+    below = "a tendon only pulls, so forces are positive"
+    return Bound("N", least, most, below, f"F_max is {muscle.F_max:g} N; is it in another unit?")
+
+
 def refuse_impossible(recording: Recording, subject: Subject) -> None:
     """RecordingError if a position is none that can be, or a force is far below 0 or above what muscles can do."""
-    positions, forces = subject.positions, subject.forces
-    for name, bound in positions.items():
-        _refuse(recording, name, bound.unit, recording[name] < bound.least, bound.below)
-        _refuse(recording, name, bound.unit, recording[name] > bound.most, bound.above)
-    for name, muscle in forces.items():
-        part = recording[name] / muscle.F_max
-        _refuse(recording, name, "N", part < _LOWEST_FORCE, "a tendon only pulls, so forces are positive")
-        _refuse(recording, name, "N", part > _HIGHEST_FORCE, f"F_max is {muscle.F_max:g} N; is it in another unit?")
+    for name, bound in bounds(subject).items():
+        for wrong in (recording[name] < bound.least, recording[name] > bound.most):
+            if wrong.any():
+                at = int(wrong.argmax())
+                raise RecordingError(
+                    f"{recording.source}: row {recording.rows[at]}: {bound.refusal(name, recording[name][at])}"
+                )
+
+
+def longest_step(period: float) -> float:
+    """How far samples may be apart, in s, where they usually are a period apart."""
+    return max(LONGEST_GAP, _LONGEST_STEP * period)
 
 
 def refuse_long_steps(recording: Recording) -> None:
     """RecordingError if rows are missing for longer than a gap may be."""
     steps = np.diff(recording.time)
-    longest = max(LONGEST_GAP, _LONGEST_STEP * float(np.median(steps)))
+    longest = longest_step(float(np.median(steps)))
     if steps.max() > longest:
         before = int(steps.argmax())
         raise RecordingError(
             f"{recording.source}: there is no sample between rows {recording.rows[before]} and "
             f"{recording.rows[before + 1]}, {steps[before]:.3g} s; gaps of up to {longest:.3g} s are bridged"
         )
-
-
-def _refuse(recording: Recording, name: str, unit: str, wrong: NDArray[np.bool_], why: str) -> None:
-    if wrong.any():
-        at = int(wrong.argmax())
-        value = float(recording[name][at])
-        raise RecordingError(f"{recording.source}: row {recording.rows[at]}: {name} = {value:g} {unit}; {why}")
 
 
 def _refuse_long_gaps(recording: Recording, name: str, known: NDArray[np.bool_]) -> None:

@@ -18,11 +18,11 @@ _FEW = 100
 
 
 class Laws:
-    """Of a system with these numbers, by the names that it has for them; all dimensionless."""
+    """Of a system with these numbers, by the names that it has for them, as in `p`; all dimensionless."""
 
     def __init__(self, system: System, numbers: Mapping[str, float]) -> None:
         self.system = system
-        p = Symbols({name: ca.SX(numbers[name]) for name in system.parameters})
+        self.p = p = Symbols({name: ca.SX(numbers[name]) for name in system.parameters})
         q, dq, Delta = ([ca.SX.sym(f"{kind}_{of}") for of in system.joints] for kind in ("q", "dq", "Delta"))
         F = [ca.SX.sym(f"F_{of}") for of in system.muscles]
         columns = [ca.vertcat(*values) for values in (q, dq, F, Delta)]
@@ -39,27 +39,27 @@ class Laws:
 
     def lengths(self, q: Array) -> Array:
         """L_m (… × muscles) at coordinates (… × joints)."""
-        return _mapped(self._lengths, [q])
+        return mapped(self._lengths, [q])
 
     def rates(self, q: Array, dq: Array) -> Array:
         """L̇_m (… × muscles) at coordinates and velocities (… × joints)."""
-        return _mapped(self._rates, [q, dq])
+        return mapped(self._rates, [q, dq])
 
     def moment_arms(self, q: Array) -> Array:
         """R (… × muscles × joints): what each tendon's force does to each joint."""
-        return _mapped(self._arms, [q]).reshape(*q.shape[:-1], len(self.system.muscles), len(self.system.joints))
+        return mapped(self._arms, [q]).reshape(*q.shape[:-1], len(self.system.muscles), len(self.system.joints))
 
     def forces(self, q: Array, Delta: Array) -> Array:
         """Of each joint (… × joints), that make these accelerations."""
-        return _mapped(self._forces, [q, Delta])
+        return mapped(self._forces, [q, Delta])
 
     def places(self, q: Array) -> dict[str, Array]:
         """What can follow a reference (…), by name, at coordinates (… × joints)."""
-        return {name: _mapped(function, [q])[..., 0] for name, function in self._places.items()}
+        return {name: mapped(function, [q])[..., 0] for name, function in self._places.items()}
 
     def accelerations(self, q: Array, dq: Array, F: Array) -> Array:
         """What tendon forces (… × muscles) make of the joints (… × joints)."""
-        return _mapped(self._accelerations, [q, dq, F])
+        return mapped(self._accelerations, [q, dq, F])
 
     def acceleration_noise(self, q: Array, F: Array, sigmas: ArrayLike) -> Array:
         """Variance of each joint's acceleration from noise of the forces, in the mean over samples (n × …).
@@ -83,11 +83,11 @@ class Laws:
 
     def _gains(self, q: Array, F: Array) -> Array:
         """∂α/∂F (n × joints × muscles)."""
-        flat = _mapped(self._gain, [q, 0 * q, F])
+        flat = mapped(self._gain, [q, 0 * q, F])
         return flat.reshape(len(q), len(self.system.muscles), len(self.system.joints)).transpose(0, 2, 1)
 
 
-def _mapped(function: ca.Function, columns: Sequence[Array]) -> Array:
+def mapped(function: ca.Function, columns: Sequence[Array]) -> Array:
     """A function of columns, for the last axis of arrays."""
     shape = columns[0].shape
     flat = [np.ascontiguousarray(values.reshape(-1, values.shape[-1]).T) for values in columns]

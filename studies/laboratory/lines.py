@@ -14,7 +14,7 @@ from ..files.reading import cause, open_regular
 
 # a day at 1 kHz with twenty columns is 15 GB
 _LARGEST_FILE = 16_000_000_000
-_LONGEST_LINE = 1_000_000
+LONGEST_LINE = 1_000_000
 _BLOCK = 1 << 20
 _GZIP = b"\x1f\x8b"
 # tables of numbers shrink 2 to 50 times, bombs a thousand; a small file may be as regular as it likes
@@ -42,8 +42,8 @@ def blocks(path: Path, progress: Progress = unseen) -> Iterator[bytes]:
                 yield ready
             ready = text[:end]
             line += ready.count(b"\n")
-        if len(rest) > _LONGEST_LINE:
-            raise RecordingError(f"row {line} is longer than {_LONGEST_LINE:,} bytes")
+        if len(rest) > LONGEST_LINE:
+            raise RecordingError(f"row {line} is longer than {LONGEST_LINE:,} bytes")
     # a last line without an end belongs to the last block, which may be the first
     if ready or rest:
         yield ready + (rest.rstrip(b"\r") + b"\n" if rest else b"")

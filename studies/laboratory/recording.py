@@ -6,6 +6,7 @@ import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 
@@ -21,6 +22,7 @@ from .lines import blocks, text_of
 from .samples import MOST_NUMBERS, Samples
 
 _OPENSIM = (".sto", ".mot")
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,7 +139,7 @@ def _read(path: Path, mapping: Mapping[str, str], progress: Progress, columns_kn
     if header.promised not in (None, len(rows) + len(repeated)):
         remarks += (f"the header says nRows={header.promised}, there are {len(rows) + len(repeated)}",)
     known = {column.name: column.unit.to_SI(samples.column(i)) for i, column in enumerate(columns)}
-    inputs = _inputs(known, mapping, columns_known.required)
+    inputs = taken_inputs(known, mapping, columns_known.required)
     return Recording(
         escaped(path.name),
         known.pop("time"),
@@ -151,8 +153,8 @@ def _read(path: Path, mapping: Mapping[str, str], progress: Progress, columns_kn
     )
 
 
-def _inputs(known: dict[str, Array], mapping: Mapping[str, str], required: tuple[str, ...]) -> dict[str, Array]:
-    """Taken out of `known`: a measured column before the plain one, unless a mapping names that."""
+def taken_inputs(known: dict[str, T], mapping: Mapping[str, str], required: tuple[str, ...]) -> dict[str, T]:
+    """What observers are given, taken out of `known`: a measured column before the plain one, unless that is mapped."""
     inputs = {}
     for name in required:
         measured = f"{name}_measured"

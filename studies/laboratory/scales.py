@@ -25,29 +25,22 @@ from .muscles import Muscle, MusclePair
 class Scales:
     """F₀ N, l₀ m, v₀ 1/s, and `numbers`: path → value of what is dimensionless, as scenarios have it.
 
-    sliding: of each joint, whether its coordinate is a length; else it is an angle.
+    sliding: of each joint, whether its coordinate is a length; else it is an angle. coordinates: the units of the
+    joints' coordinates, m or rad. torques: units of what moves each joint, N or N m.
     """
 
     force: float
     length: float
     rate: float
     numbers: Mapping[str, float]
-    sliding: Sequence[bool] = (True,)
+    sliding: Sequence[bool]
+    coordinates: Array
+    torques: Array
 
     @property
     def mass(self) -> float:
         """Unit of mass in kg."""
         return self.force / (self.length * self.rate**2)
-
-    @property
-    def coordinates(self) -> Array:
-        """Units of the joints' coordinates, m or rad."""
-        return np.where(self.sliding, self.length, 1.0)
-
-    @property
-    def torques(self) -> Array:
-        """Units of what moves each joint, N or N m."""
-        return self.force * self.length / self.coordinates
 
     # into the paper's variables
 
@@ -81,6 +74,10 @@ class Scales:
         # fibre velocity_j = −l₀v₀u_j
         return 0.0 - u * self.length * self.rate
 
+    def loads(self, forces: Array) -> Array:
+        """What moves the joints (… × joints), in N or N m."""
+        return forces * self.torques
+
     def positions(self, q: Array) -> Array:
         """Coordinates (… × joints) in m or rad."""
         return q * self.coordinates
@@ -100,14 +97,22 @@ def scales(pair: MusclePair) -> Scales:
     # m = mass l₀v₀²/F₀,  C = C/l₀
     numbers = {"plant.m": pair.mass * length * rate**2 / force, "plant.C": pair.C / length}
     muscles = dict(zip(MUSCLES, (pair.muscle1, pair.muscle2), strict=True))
-    return Scales(force, length, rate, {**numbers, **_numbers(muscles)})
+    return _scales(first, {**numbers, **_numbers(muscles)}, [True])
 
 
 def mechanism_scales(mechanism: Mechanism) -> Scales:
     """The same of a mechanism."""
     first = next(iter(mechanism.muscles.values()))
     sliding = [mechanism.tree.joints[name].kind == SLIDER for name in mechanism.tree.coordinates]
-    return Scales(first.F_max, first.optimal_fibre_length, first.v_max, _numbers(mechanism.muscles), tuple(sliding))
+    return _scales(first, _numbers(mechanism.muscles), sliding)
+
+
+def _scales(reference: Muscle, numbers: Mapping[str, float], sliding: Sequence[bool]) -> Scales:
+    force, length = reference.F_max, reference.optimal_fibre_length
+    coordinates = np.where(sliding, length, 1.0)
+    return Scales(
+        force, length, reference.v_max, numbers, tuple(sliding), coordinates, torques=force * length / coordinates
+    )
 
 
 def _numbers(muscles: Mapping[str, Muscle]) -> dict[str, float]:

@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+import casadi as ca
 import numpy as np
 
 from ...model.arrays import Array
@@ -19,7 +20,7 @@ from ..files.errors import ScenarioError
 from ..files.quote import shown
 from ..files.toml import read_toml
 from .columns import COLUMNS, Columns
-from .laws import Laws
+from .laws import Laws, mapped
 from .mechanisms.mechanism import Mechanism
 from .mechanisms.reading import LARGEST_FILE, mechanism_of, read_mechanism
 from .mechanisms.writing import mechanism_file
@@ -59,7 +60,7 @@ _BEYOND = 1.0
 
 @dataclass(frozen=True)
 class Bound:
-    """What a measured position may be, in its unit, and what to say of what is below or above.
+    """What a measured position or force may be, in its unit, and what to say of what is below or above.
 
     range: where the paths of the muscles hold.
     """
@@ -70,6 +71,10 @@ class Bound:
     below: str
     above: str
     range: tuple[float, float] | None = None
+
+    def refusal(self, name: str, value: float) -> str:
+        """Why a `value` beyond the bound is none of `name`."""
+        return f"{name} = {value:g} {self.unit}; {self.below if value < self.least else self.above}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,15 +128,26 @@ class Subject:
 
     def fibres(self, q: Array, L_S: Array) -> tuple[Array, Array]:
         """Lengths of fibres in m, of tendons of the lengths L_S, and the cosines of their angles to these."""
-        # L_C cos α = L_m − L_S,  L_C sin α = h
-        L, heights = self.scales.metres(self.laws.lengths(q) - L_S), self.heights
-        oblique = np.hypot(L, heights)
-        with np.errstate(invalid="ignore", divide="ignore"):
-            return np.where(heights > 0, oblique, L), np.where(heights > 0, L / oblique, 1.0)
+        L = self.scales.metres(self.laws.lengths(q) - L_S)
+        L_C, along = np.split(mapped(self._fibres, [L]), 2, axis=-1)
+        return L_C, along
+
+    @functools.cached_property
+    def _fibres(self) -> ca.Function:
+        L = ca.SX.sym("L", len(self.muscles))
+        return ca.Function("fibres", [L], [ca.densify(ca.vertcat(*oblique(L, self.heights)))])
 
     def disturbance(self, q: Array, Delta: Array) -> Array:
         """External forces in N and torques in N m (… × joints), of dimensionless coordinates and accelerations."""
-        return self.laws.forces(q, Delta) * self.scales.torques
+        return self.scales.loads(self.laws.forces(q, Delta))
+
+
+def oblique(L: ca.SX, heights: Array) -> tuple[ca.SX, ca.SX]:
+    """Lengths of fibres that reach L along their tendons, and the cosines of their angles to these."""
+    # L_C cos α = L_m − L_S,  L_C sin α = h
+    L_C = [ca.hypot(reach, h) if h > 0 else reach for reach, h in zip(ca.vertsplit(L), heights, strict=True)]
+    along = [reach / fibre if h > 0 else 1 for reach, fibre, h in zip(ca.vertsplit(L), L_C, heights, strict=True)]
+    return ca.vertcat(*L_C), ca.vertcat(*along)
 
 
 def subject_of(muscles: str | Path | MusclePair | Mechanism | Subject) -> Subject:

@@ -115,6 +115,30 @@ def test_the_first_sample_is_where_an_observer_starts() -> None:
 
 
 @settings(max_examples=30)
+@given(st.sampled_from(list(OBSERVERS)), st.lists(st.tuples(st.integers(0, 9), st.booleans()), max_size=9))
+def test_samples_one_by_one_and_a_state_change_no_bit(observer: str, parts: list[tuple[int, bool]]) -> None:
+    t, y = recorded(60)
+    compiled = uncorrected()
+    chosen = numbers(compiled, observer)
+    whole = compiled.follow(observer, chosen, 2).samples(t, y)
+    rows = np.concatenate([whole.y, whole.guards], axis=1)
+    filter_ = compiled.follow(observer, chosen, 2)
+    at = 0
+    # pieces, in between a sample by itself, and another filter that goes on
+    for length, another in parts:
+        filter_.samples(t[at : at + length], y[at : at + length])
+        at += length
+        if at < len(t):
+            filter_.sample(t[at], y[at].tolist())
+            np.testing.assert_array_equal(filter_.row, rows[at])
+            at += 1
+        if another:
+            state, filter_ = filter_.state, compiled.follow(observer, chosen, 2)
+            filter_.go_on_from(state)
+    np.testing.assert_array_equal(filter_.samples(t[at:], y[at:]).y, whole.y[at:])
+
+
+@settings(max_examples=30)
 @given(st.sampled_from(list(OBSERVERS)), st.lists(st.integers(0, 60), max_size=5), st.integers(1, 4))
 def test_pieces_change_no_bit(observer: str, cuts: list[int], substeps: int) -> None:
     t, y = recorded(60)

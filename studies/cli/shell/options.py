@@ -118,7 +118,7 @@ def whole_option(
     )
 
 
-def seconds_option(name: str, sentence: str) -> Decorator:
+def seconds_option(name: str, sentence: str, default: str = "0") -> Decorator:
     """A time of 0 or more, in s: `20ms`, `0.02s` or `0.02`."""
 
     def read(ctx: click.Context, param: click.Parameter, typed: str) -> float:
@@ -132,7 +132,7 @@ def seconds_option(name: str, sentence: str) -> Decorator:
             raise ScenarioError(f"{name} must be 0 or more, not {shown(typed)}")
         return seconds
 
-    return click.option(name, default="0", show_default=True, metavar="TIME", callback=read, help=sentence)
+    return click.option(name, default=default, show_default=True, metavar="TIME", callback=read, help=sentence)
 
 
 def _changes(ctx: click.Context, param: click.Parameter, typed: tuple[str, ...]) -> dict[str, Value]:

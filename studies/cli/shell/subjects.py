@@ -1,11 +1,22 @@
-"""Whose recording it is, as two options say it."""
+"""`--muscles` and `--mechanism`: whose recording, or whose samples, a command is given."""
 
 from __future__ import annotations
+
+import click
 
 from ...files.errors import ScenarioError
 from ...laboratory.mechanisms.reading import read_mechanism
 from ...laboratory.muscles import read_muscles
 from ...laboratory.subject import Subject, pair_subject, subject_of
+from .options import Decorator
+
+_MUSCLES = click.option("--muscles", metavar="FILE.toml", help="A pair of muscles in SI, see docs/recordings.md.")
+_MECHANISM = click.option("--mechanism", metavar="FILE.toml", help="Or joints and muscles, see docs/mechanisms.md.")
+
+
+def subject_options() -> Decorator:
+    """Both options, for `subject_asked_for`."""
+    return lambda command: _MUSCLES(_MECHANISM(command))
 
 
 def subject_asked_for(muscles: str | None, mechanism: str | None) -> Subject:

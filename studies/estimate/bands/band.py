@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from ....model.arrays import Array
 from ....model.symbols import hat
 from ....observers.behind.spread import sd
+from ...laboratory.subject import Subject
 from ..case import Case, Result
 from .muscle import muscle_parts
 from .taut import taut
@@ -41,7 +42,11 @@ def deviations(case: Case, results: Mapping[str, Result], units: Mapping[str, st
     without it the whole is not known: both are NaN, or left out if no observer tells it.
     """
     found: dict[str, Variable] = {}
-    states, muscles, taut_tendons = _states(case, list(results.values())), muscle_parts(case, results), _taut(case)
+    states, muscles, taut_tendons = (
+        state_deviations(case.subject, [result.y for result in results.values()]),
+        muscle_parts(case, results),
+        _taut(case),
+    )
     of_joints = {name: (units[name], words) for name, words in _OF_JOINTS.items()}
     for name, (unit, words) in {**of_joints, **_OF_MUSCLES}.items():
         parts = {part: of[name] for part, of in (("_state", states), ("_muscle", muscles)) if name in of}
@@ -60,17 +65,20 @@ def deviations(case: Case, results: Mapping[str, Result], units: Mapping[str, st
     return found
 
 
-def _states(case: Case, results: Sequence[Result]) -> dict[str, Array]:
-    """What the covariance of an observer tells, NaN if it tells none; nothing if none does."""
-    s, subject, system = case.scales, case.subject, case.subject.system
+def state_deviations(subject: Subject, told: Sequence[Mapping[str, Array]]) -> dict[str, Array]:
+    """Estimate → what the covariance of each observer tells of it (observer × … × joint or muscle).
+
+    told: the outputs (…) of each observer by name. NaN if it tells no covariance; nothing if none does.
+    """
+    s, system = subject.scales, subject.system
     first = sd(system.states[0])
-    told = [result.y for result in results if first in result.y]
-    if not told:
+    sure = [outputs for outputs in told if first in outputs]
+    if not sure:
         return {}
-    unknown = np.full_like(told[0][first], np.nan)
+    unknown = np.full_like(sure[0][first], np.nan)
 
     def stacked(names: Sequence[str]) -> Array:
-        return np.stack([np.stack([r.y.get(name, unknown) for name in names], axis=-1) for r in results])
+        return np.stack([np.stack([of.get(name, unknown) for name in names], axis=-1) for of in told])
 
     def sds(names: Sequence[str]) -> Array:
         return stacked([sd(name) for name in names])

@@ -11,6 +11,11 @@ from ....model.arrays import Array
 _SIGMAS = 5.0
 
 
+def still_taut(before: bool, force: float, sigma: float) -> bool:
+    """Whether it can be known at a sample, by whether it could be at the one before."""
+    return force > 0 and (before or force > _SIGMAS * sigma)
+
+
 def taut(force: Array, sigma: float) -> NDArray[np.bool_]:
     """False from a sample (n) without force on until the force has passed five sigma of its noise; so at the start."""
     passed, slack = force > _SIGMAS * sigma, force <= 0

@@ -170,6 +170,7 @@ WORDS = {
     "simulate": "simulate paper-clean",
     "sweep": "sweep --over plant.m=1,1.1",
     "estimate": "estimate no.csv --muscles no.toml",
+    "live": "live --muscles no.toml",
     "import": "import no.osim",
     "fit": "fit paper-clean",
     "observability": "observability",

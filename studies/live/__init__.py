@@ -1,0 +1,1 @@
+"""Estimates while the samples come: one observer, sample by sample."""
