@@ -50,10 +50,8 @@ from .follow import (
 )
 from .sizes.first_pass import compile_first_pass, first_pass
 from .start import at_rest
-from .substeps import substeps
+from .substeps import LONGEST_PERIOD, substeps
 
-# periods of the muscles' own time 1/v_max between samples beyond which nothing can be followed
-_LONGEST_PERIOD = 0.7
 # estimates of a sample with their standard deviations; 250 million numbers are 2 GB
 _NUMBERS, _MOST_NUMBERS = 50, 250_000_000
 
@@ -227,10 +225,10 @@ def _case(
     joints = len(system.joints)
     y = np.column_stack([inputs[:, :joints] / s.coordinates, s.forces(inputs[:, joints:])])
     period = float(np.median(np.diff(tau)))
-    if period > _LONGEST_PERIOD:
+    if period > LONGEST_PERIOD:
         raise RecordingError(
             f"{read.source}: a sample every {period / s.rate:.3g} s is too few for muscles of v_max = {s.rate:g}/s; "
-            f"at most {_LONGEST_PERIOD / s.rate:.3g} s; is time in another unit?"
+            f"at most {LONGEST_PERIOD / s.rate:.3g} s; is time in another unit?"
         )
     refuse_long_steps(read)
     z, slopes = measured_tendons(compiled, np.array(paths.values(lengths_block(compiled.bank), s.numbers)), y)

@@ -1,0 +1,153 @@
+"""One observer from sample to sample, as functions of its state: what every target calls."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+import casadi as ca
+
+from ...model.block import Block, BlockError, Symbols
+from ..bank import Bank
+from ..lowering import without_literals
+from ..stepper import STAGES, functions
+
+# where RK4 looks, in steps
+_NODES = (0.0, 0.5, 0.5, 1.0)
+# the time of the last sample, where an observer must know it
+TIME = "t"
+
+
+@dataclass(frozen=True)
+class Clock:
+    """Samples come every `period`, in the Block's unit of time, with so many RK4 steps in between; 0 of a sampled one.
+
+    scales: name of a measurement or output → its unit, in that of the Block; 1 where there is none.
+    """
+
+    period: float
+    substeps: int
+    scales: Mapping[str, float]
+
+
+@dataclass(frozen=True, eq=False)  # compared by identity: SX has no usable ==
+class Follower:
+    """The functions of one observer, and the names of their arrays in order.
+
+        start  (p, u)           → s
+        advance(i, p, s, u)     → s after step i, of `substeps`, on the way to the sample u
+        arrive (d, p, s, u)     → s at the sample u, e, fine, limited; d: time since the last sample
+
+    s: states, then the measurements of the last sample and what the front made of them. e: outputs, then guards.
+    fine: 1 if all are numbers within their limits; limited: 1 if a limit is active.
+    """
+
+    block: Block
+    states: tuple[str, ...]
+    inputs: tuple[str, ...]
+    estimates: tuple[str, ...]
+    functions: tuple[ca.Function, ...]
+
+
+def follower(bank: Bank, clock: Clock, prefix: str) -> Follower:
+    """The only observer of a bank, as it follows samples: straight lines in between, as in codegen/recordings.
+
+    The names of the functions begin with `prefix`. BlockError if it moves on a time grid, which samples are not.
+    """
+    (given,) = bank.observers
+    if given.per_step:
+        raise BlockError(f"{given.name}: it moves at the points of a time grid, and samples have none")
+    block, absolute = _without_clocks(given)
+    seen = (*bank.measured, *bank.front.y)
+    table, front = functions(block, (), seen), functions(bank.front, (), bank.measured)["out"]
+    parts = [len(block.x), int(absolute), len(bank.measured), len(bank.front.y)]
+    s, p, u = ca.SX.sym("s", sum(parts)), ca.SX.sym("p", len(block.p)), ca.SX.sym("u", len(bank.measured))
+    x, t, y, z = ca.vertsplit(s, [0, *itertools.accumulate(parts)])
+    d, i = ca.SX.sym("d"), ca.SX.sym("i")
+    begun = t if absolute else ca.SX(0)
+    p_front = p[[list(block.p).index(name) for name in bank.front.p]]
+    now = u / ca.vertcat(*(clock.scales.get(name, 1.0) for name in bank.measured))
+
+    def told(measured: ca.SX) -> ca.SX:
+        """What the front makes of measurements."""
+        return front(begun, [], p_front, [], measured)[0]
+
+    made: dict[str, tuple[list[ca.SX], list[ca.SX]]] = {}
+    first = ca.vertcat(now, told(now))
+    made["start"] = ([p, u], [ca.vertcat(table["init"](0, p, [], first), ca.SX(int(absolute), 1), first)])
+    if clock.substeps:
+        h = clock.period / clock.substeps
+        # y(τ) = y_{k−1} + (y_k − y_{k−1}) (i + c)/n
+        middle, end = (y + (now - y) * ((i + node) / clock.substeps) for node in (_NODES[1], _NODES[3]))
+        begin = y + (now - y) * (i / clock.substeps)
+        after = told(end)
+        stages = [ca.vertcat(begin, z), *2 * [ca.vertcat(middle, told(middle))], ca.vertcat(end, after)]
+        moved, _ = table["step"](begun + i * h, h, x, p, [], ca.horzcat(*stages))
+        made["advance"] = ([i, p, s, u], [ca.vertcat(moved, t, y, after)])
+    there = ca.vertcat(now, z if clock.substeps else told(now))
+    at = begun + d
+    x = table["sample"](at, x, p, [], there) if "sample" in table else x
+    told_y, domain = table["out"](at, x, p, [], there)
+    guards = table["watch"](at, x, p, [], there)
+    h = clock.period / max(clock.substeps, 1)
+    magnitudes = ca.fabs(ca.vertcat(x, told_y)) * table["scales"](h, p)
+    within = [*ca.vertsplit(magnitudes <= 1), *ca.vertsplit(domain > 0)]
+    estimates = ca.vertcat(told_y * ca.vertcat(*(clock.scales.get(name, 1.0) for name in block.y)), guards)
+    made["arrive"] = (
+        [d, p, s, u],
+        [ca.vertcat(x, at if absolute else ca.SX(0, 1), there), estimates, _all(within), _any(ca.vertsplit(guards))],
+    )
+    return Follower(
+        block=block,
+        states=(*block.x, *[TIME] * absolute, *seen),
+        inputs=bank.measured,
+        estimates=(*block.y, *block.guards),
+        functions=tuple(
+            without_literals(
+                ca.Function(f"{prefix}_{role}", inputs, ca.cse([ca.densify(output) for output in outputs]))
+            )
+            for role, (inputs, outputs) in made.items()
+        ),
+    )
+
+
+def _all(conditions: Sequence[ca.SX]) -> ca.SX:
+    """1 if all are; a comparison with what is no number is 0."""
+    result = ca.SX(1)
+    for condition in conditions:
+        result = ca.logic_and(result, condition)
+    return result
+
+
+def _any(conditions: Sequence[ca.SX]) -> ca.SX:
+    result = ca.SX(0)
+    for condition in conditions:
+        result = ca.logic_or(result, condition > 0)
+    return result
+
+
+def _without_clocks(block: Block) -> tuple[Block, bool]:
+    """The observer with time counted from the last sample, without the states that remember when that was.
+
+    And whether time must be counted from the first sample on: if it asks for more than differences.
+    """
+    if "t" not in block.u:
+        return block, False
+    t = block.u["t"]
+    # CasADi makes e of (o + e) − o, and nothing is left of o where differences alone count
+    clocks = [n for n, e in block.next.items() if ca.is_equal(e, t) and ca.is_equal(block.x0.get(n, ca.SX(0)), t)]
+    origin, elapsed = ca.SX.sym("origin"), ca.SX.sym("elapsed")
+
+    def from_origin(entries: Symbols) -> Symbols:
+        old = ca.vertcat(t, *(block.x[name] for name in clocks))
+        new = ca.vertcat(origin + elapsed, *[origin] * len(clocks))
+        kept = entries.only(name for name in entries if name not in clocks)
+        return Symbols(zip(kept, ca.vertsplit(ca.substitute(kept.vector(), old, new)), strict=True)) if kept else kept
+
+    u = Symbols({**block.u, "t": elapsed})
+    try:
+        x = block.x.only(name for name in block.x if name not in clocks)
+        return block.rewritten(from_origin, x=x, u=u), False
+    except BlockError:  # the origin is still there
+        return block, True

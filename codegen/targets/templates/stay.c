@@ -1,0 +1,1 @@
+    return ${prefix}_keep(${PREFIX}_PERIOD, state, state, params, input, estimate);

@@ -1,0 +1,246 @@
+"""What is exported: one observer with its numbers, for the paper's units or for those of muscles in SI."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import casadi as ca
+
+from ...codegen.bank import Bank
+from ...codegen.targets.follower import TIME, Clock, Follower, follower
+from ...codegen.targets.manifest import Manifest, Member
+from ...model.block import Block, Parameter, Symbols
+from ...model.curves.tendon import tendon
+from ...model.limits import STABLE
+from ...model.symbols import hat, signal_of
+from ...model.system import System
+from ...observers import Observer, estimator_of
+from ...observers.tendons import tendons
+from ..estimate.start import first_inputs
+from ..estimate.substeps import LONGEST_PERIOD, MOST_STEPS, substeps
+from ..files.errors import ScenarioError
+from ..files.numbers import number, whole
+from ..files.quote import shown
+from ..files.versions import __version__
+from ..laboratory.mechanisms.mechanism import Mechanism
+from ..laboratory.muscles import MusclePair
+from ..laboratory.scales import Scales
+from ..laboratory.subject import Subject, subject_of
+from ..scenarios.layers import Value
+from ..scenarios.observers import observers_named
+from ..scenarios.paths import paths_of
+from ..scenarios.prepare import prepare
+from ..scenarios.scenario import checked_number
+
+
+_ON_PAPER = (
+    "All is in the paper's units: lengths over the optimal fibre length of muscle 1, forces over its largest force, "
+    "time τ = v_max t."
+)
+_IN_SI = (
+    "What is measured and estimated is in SI. The state and the parameters are in the paper's units: lengths over the "
+    "optimal fibre length of the first muscle, forces over its largest force, time τ = v_max t."
+)
+# by what they are: powers of length, velocity in lengths per unit of time, …, of muscles
+_OF_MUSCLE = {"L_S": 0, "L_C": 0, "u": 1}
+_OF_JOINT = {"q": 0, "dq": 1, "Delta": 2}
+_PER_TIME = ("", "/s", "/s2")
+
+
+@dataclass(frozen=True)
+class Numbers:
+    """The system, the number of each parameter of the observer's block, by name, and those given by hand, by path.
+
+    columns: what tables call what is measured. scales: what leads to SI, if that is asked for.
+    """
+
+    system: System
+    block: Block
+    values: Mapping[str, float]
+    given: Mapping[str, float]
+    columns: tuple[str, ...]
+    scales: Scales | None
+
+
+def exported(
+    observer: str | Block,
+    period: float,
+    scenario: str | Path = "paper-clean",
+    muscles: str | Path | MusclePair | Mechanism | Subject | None = None,
+    changes: Mapping[str, Value] | None = None,
+    corrected: bool = True,
+    steps: int | None = None,
+) -> Manifest:
+    """An observer with all that a target needs to know of it, for samples that come every `period`.
+
+    observer: a registered name, or a Block of your own. Its numbers are those of a scenario, in the paper's units, or
+    those of `muscles` (a file or what was read of one), and then inputs, estimates and `period` are in SI. changes: path
+    → value, such as {"high_gain.eps_h": 0.05}. corrected: the layers of the sliding mode observers are corrected.
+    steps: RK4 steps from sample to sample, by the rule of docs/gains.md if not given.
+    ScenarioError or BlockError says what is wrong.
+    """
+    ((name, chosen),) = observers_named(observer).items()
+    if muscles is None:
+        found = _of_scenario(observer, name, chosen, scenario, changes or {}, corrected)
+    else:
+        found = _of_muscles(name, chosen, subject_of(muscles), changes or {}, corrected)
+    system, scales = found.system, found.scales
+    T = _period(period, scales)
+    values = dict(found.values)
+    if chosen.period and f"{name}.{chosen.period}" not in found.given:
+        values[chosen.period] = T
+    n = _steps(name, chosen, found, values, T, steps)
+    block = _begun(found.block, system)
+    units = _units(system, scales) if scales else {}
+    bank = Bank(system.measured, tendons(system), None, (block,))
+    made = follower(bank, Clock(T, n, {signal: size for signal, (size, _) in units.items()}), f"hillobs_{name}")
+    return Manifest(
+        name=name,
+        label=chosen.label,
+        sentence=_sentence(system),
+        version=__version__,
+        period=float(period),
+        time_unit="s" if scales else "",
+        substeps=n,
+        units=_IN_SI if scales else _ON_PAPER,
+        state=[Member(signal, "1", _said(signal, system)) for signal in made.states],
+        params=[_parameter(key, parameter) for key, parameter in made.block.parameters.items()],
+        input=[Member(signal, _unit(signal, units), _said(signal, system)) for signal in made.inputs],
+        estimate=[Member(signal, _unit(signal, units), _said(signal, system)) for signal in made.estimates],
+        defaults=[values[key] for key in made.block.p],
+        columns=found.columns,
+        functions=made.functions,
+    )
+
+
+def _of_scenario(
+    observer: str | Block, name: str, chosen: Observer, scenario: str | Path, changes: Mapping[str, Value], corrected: bool
+) -> Numbers:
+    prepared = prepare(scenario, observer, changes, corrected=corrected)
+    system, given = prepared.system, prepared.scenario.given
+    block = estimator_of(chosen, corrected, system)
+    values = prepared.paths.values(block, given)
+    return Numbers(system, block, dict(zip(block.p, values, strict=True)), given, system.measured, None)
+
+
+def _of_muscles(
+    name: str, chosen: Observer, subject: Subject, changes: Mapping[str, Value], corrected: bool
+) -> Numbers:
+    block = estimator_of(chosen, corrected, subject.system)
+    paths = paths_of([block])
+    for path in changes:
+        if path.partition(".")[0] != name:
+            raise ScenarioError(f"{shown(path)} is no number of {name}; the muscle file has all others")
+    by_hand = paths.spread({path: checked_number(path, value, paths) for path, value in changes.items()})
+    given = {**subject.scales.numbers, **by_hand}
+    values = dict(zip(block.p, paths.values(block, given), strict=True))
+    return Numbers(subject.system, block, values, by_hand, subject.columns.required, subject.scales)
+
+
+def _period(period: float, scales: Scales | None) -> float:
+    """The period in τ. ScenarioError unless something can be followed with it."""
+    if not number("the period", period) > 0:
+        raise ScenarioError(f"the period must be above 0, not {period:g}")
+    T = period * (scales.rate if scales else 1.0)
+    if T > LONGEST_PERIOD:
+        longest = f"{LONGEST_PERIOD / scales.rate:.3g} s" if scales else f"{LONGEST_PERIOD:g}"
+        raise ScenarioError(f"a sample every {period:g}{' s' * bool(scales)} is too few for these muscles: at most {longest}")
+    return T
+
+
+def _steps(
+    name: str, chosen: Observer, found: Numbers, values: Mapping[str, float], T: float, asked: int | None
+) -> int:
+    """RK4 steps from sample to sample. ScenarioError if those asked for are too few for stability."""
+    if found.block.sampled:
+        if asked is not None:
+            raise ScenarioError(f"{name} moves at samples only: there are no steps in between to be chosen")
+        return 0
+    start = _midway(found.system, values) if chosen.rates is None else {}
+    common = (chosen, found.system, found.block, values, start, T)
+    if asked is None:
+        return substeps(*common)
+    asked, least = whole("the number of steps", asked, 1, MOST_STEPS), substeps(*common, STABLE)
+    if asked < least:
+        raise ScenarioError(
+            f"{name} is unstable with {asked} {'step' if asked == 1 else 'steps'} from sample to sample: "
+            f"its gains ask for {least} or more"
+        )
+    return asked
+
+
+def _midway(system: System, values: Mapping[str, float]) -> dict[str, float]:
+    """Inputs of a pair with the mass in the middle and both tendons at the end of their toes."""
+    at = {"t": 0.0, **dict.fromkeys(system.joint("y"), values["C"] / 2)}
+    for muscle, (length, force) in zip(system.muscles, system.tendons.items(), strict=True):
+        here = tendon(system.curves[muscle], muscle, values)
+        at |= {force: here.toe_force, length: here.edges[1]}
+    return at
+
+
+def _begun(block: Block, system: System) -> Block:
+    """The observer with x̂(0) from its first sample in the place of numbers for it."""
+    sources = {path: source for path, source in first_inputs(system).items() if path in block.p}
+    u = Symbols({**{name: ca.SX.sym(name) for name in sources.values() if name}, **block.u})
+    old = ca.vertcat(*(block.p[path] for path in sources))
+    new = ca.vertcat(*(u[source] if source else ca.SX(0) for source in sources.values()))
+    x0 = Symbols({name: ca.substitute(start, old, new) for name, start in block.x0.items()}) if sources else block.x0
+    kept = [name for name in block.p if name not in sources]
+    parameters = {name: block.parameters[name] for name in kept}
+    return replace(block, u=u, x0=x0, p=block.p.only(kept), parameters=parameters)
+
+
+def _units(system: System, scales: Scales) -> dict[str, tuple[float, str]]:
+    """Name of each measurement and estimate → its unit in SI, as a number and as a word."""
+    units = {name: (scales.force, "N") for name in system.muscle("y")}
+    units |= {name: (scales.length, "m") for name in system.muscle("z")}
+    of_muscle = dict.fromkeys(system.muscles, (scales.length, "m"))
+    lengths = [(size, "m" if slides else "rad") for size, slides in zip(scales.coordinates, scales.sliding, strict=True)]
+    of_joint = dict(zip(system.joints, lengths, strict=True))
+    units |= {system.name("y", joint): unit for joint, unit in of_joint.items()}
+    for orders, owners in ((_OF_JOINT, of_joint), (_OF_MUSCLE, of_muscle)):
+        for (signal, order), (owner, (size, word)) in itertools.product(orders.items(), owners.items()):
+            unit = (float(size) * scales.rate**order, word + _PER_TIME[order])
+            name = system.name(signal, owner)
+            units |= {hat(name): unit, f"{name}_sd": unit}
+    return units
+
+
+def _unit(signal: str, units: Mapping[str, tuple[float, str]]) -> str:
+    return units[signal][1] if signal in units else "1"
+
+
+def _parameter(name: str, parameter: Parameter) -> Member:
+    bounds = (
+        (parameter.above > -math.inf, f"> {parameter.above:g}"),
+        (parameter.least > -math.inf, f"≥ {parameter.least:g}"),
+        (parameter.below < math.inf, f"< {parameter.below:g}"),
+        (parameter.most < math.inf, f"≤ {parameter.most:g}"),
+        (parameter.whole, "whole"),
+    )
+    return Member(name, parameter.unit, parameter.sentence, ", ".join(words for given, words in bounds if given))
+
+
+def _said(name: str, system: System) -> str:
+    """What a state, measurement, estimate or guard is."""
+    known = {hat(quantity): f"estimate: {signal_of(quantity).sentence}" for quantity in system.quantities}
+    known |= {f"{quantity}_sd": f"standard deviation: {signal_of(quantity).sentence}" for quantity in system.quantities}
+    known |= {measured: signal_of(measured).sentence for measured in system.measured}
+    known |= {length: f"tendon length that {force} tells" for length, force in system.tendons.items()}
+    known |= {TIME: "time since the first sample"}
+    if name in known:
+        return known[name]
+    if name.startswith("last."):
+        return f"at the last sample: {name.removeprefix('last.')}"
+    return f"1 while this limit is active, else 0: {name}"
+
+
+def _sentence(system: System) -> str:
+    if system.paper:
+        return "estimates of a mass between two muscles, from its position and both tendon forces"
+    joints, muscles = ", ".join(system.joints), ", ".join(system.muscles)
+    return f"estimates of joints ({joints}) and muscles ({muscles}), from positions and tendon forces"
