@@ -48,15 +48,16 @@ def c_files(manifest: Manifest, real: str = DOUBLE) -> dict[str, str]:
     real: the type of all numbers.
     """
     prefix = c_prefix(manifest.name)
-    code = _casadi(manifest.functions, prefix, real)
+    code = _casadi([*manifest.functions.values()], prefix, real)
     groups = {
         group: _identifiers(manifest.name, getattr(manifest, group))
         for group in ("state", "params", "input", "estimate")
     }
     sizes = {f"n_{group}": str(len(names)) for group, names in groups.items()}
     sizes |= {
-        "n_arg": str(max(f.sz_arg() for f in manifest.functions)),
-        "n_res": str(max(f.sz_res() for f in manifest.functions)),
+        "n_arg": str(max(f.sz_arg() for f in manifest.functions.values())),
+        "n_motion": str(manifest.functions["depart"].numel_out(0)),
+        "n_res": str(max(f.sz_res() for f in manifest.functions.values())),
     }
     common = {
         **sizes,
@@ -80,11 +81,10 @@ def c_files(manifest: Manifest, real: str = DOUBLE) -> dict[str, str]:
         for member, name, value in zip(manifest.params, groups["params"], manifest.defaults, strict=True)
     ]
     period = {"period_literal": _number(manifest.name, "the period", manifest.period, real), "period_sentence": _time(manifest.time_unit)}
-    moving = _filled("advance.c" if manifest.substeps else "stay.c", common).rstrip("\n")
     source = {
         "code": code,
         "defaults": "\n".join(defaults),
-        "advance": moving,
+        "advance": _filled("advance.c", common) if manifest.substeps else "",
         "pragmas": _FLOAT_PRAGMA if real == FLOAT else "",
     }
     program = {

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from ...model.block import Block, BlockError, Symbols
+from ...model.block import Block, BlockError, Symbols, symbols
 from ..bank import Bank
 from ..lowering import without_literals
 from ..stepper import STAGES, functions
@@ -36,18 +36,20 @@ class Follower:
     """The functions of one observer, and the names of their arrays in order.
 
         start  (p, u)           → s
-        advance(i, p, s, u)     → s after step i, of `substeps`, on the way to the sample u
-        arrive (d, p, s, u)     → s at the sample u, e, fine, limited; d: time since the last sample
+        depart (s)              → m
+        advance(i, p, s, u, m)  → m after step i, of `substeps`, on the way to the sample u
+        arrive (d, p, s, u, m)  → s at the sample u, e, fine, limited; d: time since the last sample
 
-    s: states, then the measurements of the last sample and what the front made of them. e: outputs, then guards.
-    fine: 1 if all are numbers within their limits; limited: 1 if a limit is active.
+    s: states, then the measurements of the last sample and what the front made of them. m: how far the states have moved
+    since, which a float tells better than where they are, and what the front makes of the measurements there.
+    e: outputs, then guards. fine: 1 if all are numbers within their limits; limited: 1 if a limit is active.
     """
 
     block: Block
     states: tuple[str, ...]
     inputs: tuple[str, ...]
     estimates: tuple[str, ...]
-    functions: tuple[ca.Function, ...]
+    functions: Mapping[str, ca.Function]
 
 
 def follower(bank: Bank, clock: Clock, prefix: str) -> Follower:
@@ -73,42 +75,62 @@ def follower(bank: Bank, clock: Clock, prefix: str) -> Follower:
         """What the front makes of measurements."""
         return front(begun, [], p_front, [], measured)[0]
 
-    made: dict[str, tuple[list[ca.SX], list[ca.SX]]] = {}
+    m = ca.SX.sym("m", parts[0] + parts[3])
+    delta, seen_from = ca.vertsplit(m, [0, parts[0], m.numel()])
     first = ca.vertcat(now, told(now))
-    made["start"] = ([p, u], [ca.vertcat(table["init"](0, p, [], first), ca.SX(int(absolute), 1), first)])
+    made = {
+        "start": ([p, u], [ca.vertcat(table["init"](0, p, [], first), ca.SX(int(absolute), 1), first)]),
+        "depart": ([s], [ca.vertcat(ca.SX(parts[0], 1), z)]),
+    }
     if clock.substeps:
         h = clock.period / clock.substeps
         # y(τ) = y_{k−1} + (y_k − y_{k−1}) (i + c)/n
-        middle, end = (y + (now - y) * ((i + node) / clock.substeps) for node in (_NODES[1], _NODES[3]))
-        begin = y + (now - y) * (i / clock.substeps)
+        begin, middle, end = (y + (now - y) * ((i + node) / clock.substeps) for node in sorted({*_NODES}))
         after = told(end)
-        stages = [ca.vertcat(begin, z), *2 * [ca.vertcat(middle, told(middle))], ca.vertcat(end, after)]
-        moved, _ = table["step"](begun + i * h, h, x, p, [], ca.horzcat(*stages))
-        made["advance"] = ([i, p, s, u], [ca.vertcat(moved, t, y, after)])
-    there = ca.vertcat(now, z if clock.substeps else told(now))
-    at = begun + d
-    x = table["sample"](at, x, p, [], there) if "sample" in table else x
-    told_y, domain = table["out"](at, x, p, [], there)
+        stages = [ca.vertcat(begin, seen_from), *2 * [ca.vertcat(middle, told(middle))], ca.vertcat(end, after)]
+        moved, _ = functions(_shifted(block), [*map(_base, block.x)], seen)["step"](
+            begun + i * h, h, delta, p, x, ca.horzcat(*stages)
+        )
+        made["advance"] = ([i, p, s, u, m], [ca.vertcat(moved, after)])
+    there = ca.vertcat(now, seen_from if clock.substeps else told(now))
+    at, x = begun + d, x + delta
+    if "sample" in table:
+        x = table["sample"](at, x, p, [], there)
+    y, domain = table["out"](at, x, p, [], there)
     guards = table["watch"](at, x, p, [], there)
-    h = clock.period / max(clock.substeps, 1)
-    magnitudes = ca.fabs(ca.vertcat(x, told_y)) * table["scales"](h, p)
-    within = [*ca.vertsplit(magnitudes <= 1), *ca.vertsplit(domain > 0)]
-    estimates = ca.vertcat(told_y * ca.vertcat(*(clock.scales.get(name, 1.0) for name in block.y)), guards)
-    made["arrive"] = (
-        [d, p, s, u],
-        [ca.vertcat(x, at if absolute else ca.SX(0, 1), there), estimates, _all(within), _any(ca.vertsplit(guards))],
-    )
+    magnitudes = ca.fabs(ca.vertcat(x, y)) * table["scales"](clock.period / max(clock.substeps, 1), p)
+    fine = _all([*ca.vertsplit(magnitudes <= 1), *ca.vertsplit(domain > 0)])
+    e = ca.vertcat(y * ca.vertcat(*(clock.scales.get(name, 1.0) for name in block.y)), guards)
+    arrived = ca.vertcat(x, at if absolute else ca.SX(0, 1), there)
+    made["arrive"] = ([d, p, s, u, m], [arrived, e, fine, _any(ca.vertsplit(guards))])
     return Follower(
         block=block,
         states=(*block.x, *[TIME] * absolute, *seen),
         inputs=bank.measured,
         estimates=(*block.y, *block.guards),
-        functions=tuple(
-            without_literals(
+        functions={
+            role: without_literals(
                 ca.Function(f"{prefix}_{role}", inputs, ca.cse([ca.densify(output) for output in outputs]))
             )
             for role, (inputs, outputs) in made.items()
-        ),
+        },
+    )
+
+
+def _base(state: str) -> str:
+    return f"base.{state}"
+
+
+def _shifted(block: Block) -> Block:
+    """The observer in how far its states are from a base, which is held."""
+    base = symbols(map(_base, block.x))
+    x, there = block.x.vector(), block.x.vector() + base.vector()
+
+    def shifted(entries: Symbols) -> Symbols:
+        return Symbols(zip(entries, ca.vertsplit(ca.substitute(entries.vector(), x, there)), strict=True))
+
+    return block.rewritten(
+        lambda entries: shifted(entries) if entries else entries, u=Symbols({**block.u, **base}), x0=Symbols()
     )
 
 

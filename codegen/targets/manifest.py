@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import casadi as ca
@@ -39,4 +39,4 @@ class Manifest:
     estimate: Sequence[Member]
     defaults: Sequence[float]
     columns: Sequence[str]
-    functions: Sequence[ca.Function]
+    functions: Mapping[str, ca.Function]

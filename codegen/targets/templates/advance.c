@@ -1,14 +1,7 @@
-    ${prefix}_state one = *state, other;
-    ${prefix}_state *from = &one, *to = &other;
-    int i;
-    for (i = 0; i < ${PREFIX}_SUBSTEPS; ++i) {
-        ${prefix}_state *passed = from;
+    for (; i < ${PREFIX}_SUBSTEPS; ++i) {
         const ${prefix}_real at = (${prefix}_real)i;
-        const ${prefix}_real *arg[$n_arg] = {&at, (const ${prefix}_real *)params, (const ${prefix}_real *)from,
-            (const ${prefix}_real *)input};
-        ${prefix}_real *res[$n_res] = {(${prefix}_real *)to};
+        const ${prefix}_real *arg[$n_arg] = {&at, (const ${prefix}_real *)params, (const ${prefix}_real *)state,
+            (const ${prefix}_real *)input, motion[i % 2]};
+        ${prefix}_real *res[$n_res] = {motion[(i + 1) % 2]};
         ${prefix}_advance(arg, res, 0, 0, 0);
-        from = to;
-        to = passed;
     }
-    return ${prefix}_keep(${PREFIX}_PERIOD, from, state, params, input, estimate);

@@ -29,14 +29,14 @@ const ${prefix}_params ${prefix}_defaults = {
 $defaults
 };
 
-/* Looks at the sample at which `next` has arrived, and keeps what came of it if all is well. */
-static int ${prefix}_keep(${prefix}_real elapsed, const ${prefix}_state *next, ${prefix}_state *state,
-    const ${prefix}_params *params, const ${prefix}_input *input, ${prefix}_estimate *estimate) {
+/* Looks at the sample at which `state` arrives, moved by `motion`, and keeps what comes of it if all is well. */
+static int ${prefix}_keep(${prefix}_real elapsed, const ${prefix}_state *from, const ${prefix}_real *motion,
+    ${prefix}_state *state, const ${prefix}_params *params, const ${prefix}_input *input, ${prefix}_estimate *estimate) {
     ${prefix}_state arrived;
     ${prefix}_estimate told;
     ${prefix}_real fine = 0, limited = 0;
-    const ${prefix}_real *arg[$n_arg] = {&elapsed, (const ${prefix}_real *)params, (const ${prefix}_real *)next,
-        (const ${prefix}_real *)input};
+    const ${prefix}_real *arg[$n_arg] = {&elapsed, (const ${prefix}_real *)params, (const ${prefix}_real *)from,
+        (const ${prefix}_real *)input, motion};
     ${prefix}_real *res[$n_res] = {(${prefix}_real *)&arrived, (${prefix}_real *)&told, &fine, &limited};
     ${prefix}_arrive(arg, res, 0, 0, 0);
     if (!(fine > 0)) return ${PREFIX}_FAILED;
@@ -45,16 +45,28 @@ static int ${prefix}_keep(${prefix}_real elapsed, const ${prefix}_state *next, $
     return limited > 0 ? ${PREFIX}_LIMITED : ${PREFIX}_OK;
 }
 
+/* No motion yet. */
+static void ${prefix}_rest(const ${prefix}_state *state, ${prefix}_real *motion) {
+    const ${prefix}_real *arg[$n_arg] = {(const ${prefix}_real *)state};
+    ${prefix}_real *res[$n_res] = {motion};
+    ${prefix}_depart(arg, res, 0, 0, 0);
+}
+
 int ${prefix}_init(${prefix}_state *state, const ${prefix}_params *params, const ${prefix}_input *first,
     ${prefix}_estimate *estimate) {
     ${prefix}_state begun;
+    ${prefix}_real motion[$n_motion];
     const ${prefix}_real *arg[$n_arg] = {(const ${prefix}_real *)params, (const ${prefix}_real *)first};
     ${prefix}_real *res[$n_res] = {(${prefix}_real *)&begun};
     ${prefix}_start(arg, res, 0, 0, 0);
-    return ${prefix}_keep(0, &begun, state, params, first, estimate);
+    ${prefix}_rest(&begun, motion);
+    return ${prefix}_keep(0, &begun, motion, state, params, first, estimate);
 }
 
 int ${prefix}_step(${prefix}_state *state, const ${prefix}_params *params, const ${prefix}_input *input,
     ${prefix}_estimate *estimate) {
-$advance
+    ${prefix}_real motion[2][$n_motion];
+    int i = 0;
+    ${prefix}_rest(state, motion[0]);
+$advance    return ${prefix}_keep(${PREFIX}_PERIOD, state, motion[i % 2], state, params, input, estimate);
 }

@@ -1,1 +1,0 @@
-    return ${prefix}_keep(${PREFIX}_PERIOD, state, state, params, input, estimate);
