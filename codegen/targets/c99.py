@@ -9,6 +9,7 @@ import struct
 from collections.abc import Iterator, Mapping, Sequence
 from importlib import resources
 from string import Template
+from typing import Any
 
 import casadi as ca
 
@@ -17,22 +18,12 @@ from .manifest import Manifest, Member
 
 _TEMPLATES = "hillobs.codegen.targets.templates"
 # words that C and C++ keep for themselves, and macros of their libraries that a struct may not have as members
-_TAKEN = frozenset(
-    """alignas alignof and and_eq asm auto bitand bitor bool break case catch char class compl complex const const_cast
-    constexpr continue default delete do double dynamic_cast else enum explicit export extern false float for friend
-    goto if inline int long mutable namespace new not not_eq nullptr operator or or_eq private protected public register
-    reinterpret_cast restrict return short signed sizeof static static_assert static_cast struct switch template this
-    throw true try typedef typeid typename union unsigned using virtual void volatile wchar_t while xor xor_eq
-    I linux unix errno acos acosh asin asinh atan atan2 atanh carg cbrt ceil cimag conj copysign cos cosh cproj creal
-    erf erfc exp exp2 expm1 fabs fdim floor fma fmax fmin fmod frexp hypot ilogb ldexp lgamma llrint llround log log10
-    log1p log2 logb lrint lround nearbyint nextafter nexttoward pow remainder remquo rint round scalbln scalbn sin sinh
-    sqrt tan tanh tgamma trunc""".split()
-)
+_TAKEN = frozenset((resources.files(_TEMPLATES) / "taken.txt").read_text(encoding="utf-8").split())
 DOUBLE, FLOAT = "double", "float"
 # that tell two numbers apart
 _DIGITS = {DOUBLE: 17, FLOAT: 9}
 # a float constant is a double that becomes one where it is assigned
-_FLOAT_PRAGMA = """/* CasADi writes constants as doubles, which become floats where they are assigned: nothing else is rounded so */
+_FLOAT_PRAGMA = """/* CasADi writes constants as doubles, which become floats where they are assigned */
 #pragma GCC diagnostic ignored "-Wfloat-conversion"
 """
 
@@ -80,7 +71,10 @@ def c_files(manifest: Manifest, real: str = DOUBLE) -> dict[str, str]:
         f"    {_number(manifest.name, member.name, value, real)}, /* {name} */"
         for member, name, value in zip(manifest.params, groups["params"], manifest.defaults, strict=True)
     ]
-    period = {"period_literal": _number(manifest.name, "the period", manifest.period, real), "period_sentence": _time(manifest.time_unit)}
+    period = {
+        "period_literal": _number(manifest.name, "the period", manifest.period, real),
+        "period_sentence": _time(manifest.time_unit),
+    }
     source = {
         "code": code,
         "defaults": "\n".join(defaults),
@@ -93,7 +87,9 @@ def c_files(manifest: Manifest, real: str = DOUBLE) -> dict[str, str]:
         "read": "\n".join(
             f"    input->{name} = ({prefix}_real)numbers[{i}];" for i, name in enumerate(groups["input"])
         ),
-        "print": "\n".join(f'        printf("%.{_DIGITS[real]}g,", (double)estimate.{name});' for name in groups["estimate"]),
+        "print": "\n".join(
+            f'        printf("%.{_DIGITS[real]}g,", (double)estimate.{name});' for name in groups["estimate"]
+        ),
     }
     page = {"input_members": "`, `".join(groups["input"])}
     texts = (
@@ -114,7 +110,7 @@ def c_prefix(name: str) -> str:
 def _casadi(functions: Sequence[ca.Function], prefix: str, real: str) -> str:
     """What CasADi writes of the functions."""
     # the name is what its helpers' names begin with
-    options = {"casadi_real": real, "casadi_int": "int", "include_math": False, "with_header": False}
+    options: dict[str, Any] = {"casadi_real": real, "casadi_int": "int", "include_math": False, "with_header": False}
     generator = ca.CodeGenerator(f"{prefix}_casadi.c", options)
     for function in functions:
         generator.add(function)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import casadi as ca
@@ -11,10 +11,12 @@ import casadi as ca
 from ...model.block import Block, BlockError, Symbols, symbols
 from ..bank import Bank
 from ..lowering import without_literals
-from ..stepper import STAGES, functions
+from ..stepper import functions
 
 # where RK4 looks, in steps
 _NODES = (0.0, 0.5, 0.5, 1.0)
+# a measurement beyond it is none; fmax and fmin, in the inverse of a tendon, would make a number of what is none
+_BEYOND = 1e30
 # the time of the last sample, where an observer must know it
 TIME = "t"
 
@@ -40,9 +42,9 @@ class Follower:
         advance(i, p, s, u, m)  → m after step i, of `substeps`, on the way to the sample u
         arrive (d, p, s, u, m)  → s at the sample u, e, fine, limited; d: time since the last sample
 
-    s: states, then the measurements of the last sample and what the front made of them. m: how far the states have moved
-    since, which a float tells better than where they are, and what the front makes of the measurements there.
-    e: outputs, then guards. fine: 1 if all are numbers within their limits; limited: 1 if a limit is active.
+    s: states, then the measurements of the last sample and what the front made of them. m: how far the states have
+    moved since, which a float tells better than where they are, and what the front makes of the measurements there.
+    e: outputs, then guards. fine: 1 if all are numbers within their limits, u too; limited: 1 if a limit is active.
     """
 
     block: Block
@@ -99,7 +101,8 @@ def follower(bank: Bank, clock: Clock, prefix: str) -> Follower:
     y, domain = table["out"](at, x, p, [], there)
     guards = table["watch"](at, x, p, [], there)
     magnitudes = ca.fabs(ca.vertcat(x, y)) * table["scales"](clock.period / max(clock.substeps, 1), p)
-    fine = _all([*ca.vertsplit(magnitudes <= 1), *ca.vertsplit(domain > 0)])
+    sane = ca.vertsplit(ca.fabs(now) < _BEYOND)
+    fine = _all([*sane, *ca.vertsplit(magnitudes <= 1), *ca.vertsplit(domain > 0)])
     e = ca.vertcat(y * ca.vertcat(*(clock.scales.get(name, 1.0) for name in block.y)), guards)
     arrived = ca.vertcat(x, at if absolute else ca.SX(0, 1), there)
     made["arrive"] = ([d, p, s, u, m], [arrived, e, fine, _any(ca.vertsplit(guards))])

@@ -14,10 +14,13 @@ from ..laboratory.mechanisms.reading import read_mechanism
 from ..laboratory.muscles import read_muscles
 from ..laboratory.subject import subject_of
 from ..scenarios.layers import Value
+from .reports.number import counted
 from .reports.written import written
 from .shell.options import corrected_option, set_option, whole_option
 from .shell.own_observers import loaded
 from .shell.terminal import say
+
+_AT_SAMPLES = "which move at samples only"
 
 
 @click.group()
@@ -60,6 +63,6 @@ def c(
     T = parse_number("--period", period)
     manifest = exported(chosen, T, scenario or "paper-clean", subject, changes, corrected, substeps)
     paths = save_c(manifest, Path(out), single)
-    steps = f"{manifest.substeps} RK4 steps from sample to sample" if manifest.substeps else "it moves at samples only"
-    say(f"{manifest.label}: {len(manifest.state)} states, {steps}")
+    steps = f"{counted(manifest.substeps, 'RK4 step')} from sample to sample" if manifest.substeps else _AT_SAMPLES
+    say(f"{manifest.label}: a state of {len(manifest.state)} numbers, {steps}")
     say(written(paths))

@@ -11,12 +11,12 @@ from pathlib import Path
 import casadi as ca
 
 from ...codegen.bank import Bank
-from ...codegen.targets.follower import TIME, Clock, Follower, follower
+from ...codegen.targets.follower import TIME, Clock, follower
 from ...codegen.targets.manifest import Manifest, Member
 from ...model.block import Block, Parameter, Symbols
 from ...model.curves.tendon import tendon
 from ...model.limits import STABLE
-from ...model.symbols import hat, signal_of
+from ...model.symbols import SIGNALS, hat, signal_of
 from ...model.system import System
 from ...observers import Observer, estimator_of
 from ...observers.tendons import tendons
@@ -35,7 +35,6 @@ from ..scenarios.observers import observers_named
 from ..scenarios.paths import paths_of
 from ..scenarios.prepare import prepare
 from ..scenarios.scenario import checked_number
-
 
 _ON_PAPER = (
     "All is in the paper's units: lengths over the optimal fibre length of muscle 1, forces over its largest force, "
@@ -78,8 +77,8 @@ def exported(
     """An observer with all that a target needs to know of it, for samples that come every `period`.
 
     observer: a registered name, or a Block of your own. Its numbers are those of a scenario, in the paper's units, or
-    those of `muscles` (a file or what was read of one), and then inputs, estimates and `period` are in SI. changes: path
-    → value, such as {"high_gain.eps_h": 0.05}. corrected: the layers of the sliding mode observers are corrected.
+    those of `muscles` (a file or what was read of one), and then inputs, estimates and `period` are in SI. changes:
+    path → value, such as {"high_gain.eps_h": 0.05}. corrected: the layers of the sliding mode observers are corrected.
     steps: RK4 steps from sample to sample, by the rule of docs/gains.md if not given.
     ScenarioError or BlockError says what is wrong.
     """
@@ -107,10 +106,13 @@ def exported(
         time_unit="s" if scales else "",
         substeps=n,
         units=_IN_SI if scales else _ON_PAPER,
-        state=[Member(signal, "1", _said(signal, system)) for signal in made.states],
+        state=[Member(signal, "1", _said(signal, system, f"inner state {signal}")) for signal in made.states],
         params=[_parameter(key, parameter) for key, parameter in made.block.parameters.items()],
         input=[Member(signal, _unit(signal, units), _said(signal, system)) for signal in made.inputs],
-        estimate=[Member(signal, _unit(signal, units), _said(signal, system)) for signal in made.estimates],
+        estimate=[
+            Member(signal, _unit(signal, units), _said(signal, system, f"1 while the limit {signal} is active, else 0"))
+            for signal in made.estimates
+        ],
         defaults=[values[key] for key in made.block.p],
         columns=found.columns,
         functions=made.functions,
@@ -118,7 +120,12 @@ def exported(
 
 
 def _of_scenario(
-    observer: str | Block, name: str, chosen: Observer, scenario: str | Path, changes: Mapping[str, Value], corrected: bool
+    observer: str | Block,
+    name: str,
+    chosen: Observer,
+    scenario: str | Path,
+    changes: Mapping[str, Value],
+    corrected: bool,
 ) -> Numbers:
     prepared = prepare(scenario, observer, changes, corrected=corrected)
     system, given = prepared.system, prepared.scenario.given
@@ -148,7 +155,9 @@ def _period(period: float, scales: Scales | None) -> float:
     T = period * (scales.rate if scales else 1.0)
     if T > LONGEST_PERIOD:
         longest = f"{LONGEST_PERIOD / scales.rate:.3g} s" if scales else f"{LONGEST_PERIOD:g}"
-        raise ScenarioError(f"a sample every {period:g}{' s' * bool(scales)} is too few for these muscles: at most {longest}")
+        raise ScenarioError(
+            f"a sample every {period:g}{' s' * bool(scales)} is too few for these muscles: at most {longest}"
+        )
     return T
 
 
@@ -167,8 +176,8 @@ def _steps(
     asked, least = whole("the number of steps", asked, 1, MOST_STEPS), substeps(*common, STABLE)
     if asked < least:
         raise ScenarioError(
-            f"{name} is unstable with {asked} {'step' if asked == 1 else 'steps'} from sample to sample: "
-            f"its gains ask for {least} or more"
+            f"{name} may be unstable with {asked} {'step' if asked == 1 else 'steps'} from sample to sample: "
+            f"its fastest rate asks for {least} or more, docs/gains.md"
         )
     return asked
 
@@ -196,10 +205,12 @@ def _begun(block: Block, system: System) -> Block:
 
 def _units(system: System, scales: Scales) -> dict[str, tuple[float, str]]:
     """Name of each measurement and estimate → its unit in SI, as a number and as a word."""
-    units = {name: (scales.force, "N") for name in system.muscle("y")}
-    units |= {name: (scales.length, "m") for name in system.muscle("z")}
+    units = dict.fromkeys(system.muscle("y"), (scales.force, "N"))
+    units |= dict.fromkeys(system.muscle("z"), (scales.length, "m"))
     of_muscle = dict.fromkeys(system.muscles, (scales.length, "m"))
-    lengths = [(size, "m" if slides else "rad") for size, slides in zip(scales.coordinates, scales.sliding, strict=True)]
+    lengths = [
+        (size, "m" if slides else "rad") for size, slides in zip(scales.coordinates, scales.sliding, strict=True)
+    ]
     of_joint = dict(zip(system.joints, lengths, strict=True))
     units |= {system.name("y", joint): unit for joint, unit in of_joint.items()}
     for orders, owners in ((_OF_JOINT, of_joint), (_OF_MUSCLE, of_muscle)):
@@ -225,18 +236,15 @@ def _parameter(name: str, parameter: Parameter) -> Member:
     return Member(name, parameter.unit, parameter.sentence, ", ".join(words for given, words in bounds if given))
 
 
-def _said(name: str, system: System) -> str:
-    """What a state, measurement, estimate or guard is."""
+def _said(name: str, system: System, otherwise: str = "") -> str:
+    """What a state, measurement or estimate is; `otherwise` if no table knows it."""
     known = {hat(quantity): f"estimate: {signal_of(quantity).sentence}" for quantity in system.quantities}
     known |= {f"{quantity}_sd": f"standard deviation: {signal_of(quantity).sentence}" for quantity in system.quantities}
-    known |= {measured: signal_of(measured).sentence for measured in system.measured}
+    known |= {f"{length}_sd": "standard deviation: fibre length" for length in system.muscle("L_C")}
+    known |= {name: signal_of(name).sentence for name in (*system.measured, *SIGNALS)}
     known |= {length: f"tendon length that {force} tells" for length, force in system.tendons.items()}
     known |= {TIME: "time since the first sample"}
-    if name in known:
-        return known[name]
-    if name.startswith("last."):
-        return f"at the last sample: {name.removeprefix('last.')}"
-    return f"1 while this limit is active, else 0: {name}"
+    return known.get(name, otherwise)
 
 
 def _sentence(system: System) -> str:
