@@ -41,10 +41,10 @@ def lowered(expressions: Sequence[ca.SX], inputs: Sequence[ca.SX], reciprocals: 
         inverse = inverses.setdefault(divisors[k], 1 / divisor if known is None else known)
         return operands[0] * inverse if f.instruction_id(k) == ca.OP_DIV else inverse
 
-    return _rewritten(f, inputs, expressions, operation)
+    return rewritten(f, inputs, expressions, operation)
 
 
-def _rewritten(
+def rewritten(
     f: ca.Function,
     inputs: Sequence[ca.SX],
     expressions: Sequence[ca.SX],
@@ -83,26 +83,6 @@ def without_branches(f: ca.Function) -> ca.Function:
         return ca.Function(f.name(), inputs, lowered(f.call(inputs), scalars, {}), f.name_in(), f.name_out())
 
 
-def without_literals(f: ca.Function) -> ca.Function:
-    """The same function, so that CasADi writes no number within an expression: it would be a double among floats."""
-    inputs = [ca.SX.sym(f.name_in(i), f.size1_in(i), f.size2_in(i)) for i in range(f.n_in())]
-    scalars = [scalar for matrix in inputs for scalar in ca.vertsplit(ca.vec(matrix))]
-    with as_written():
-        expressions = f.call(inputs)
-        flat = ca.Function("f", scalars, expressions)
-
-        def operation(k: int, operands: list[ca.SX]) -> ca.SX:
-            match flat.instruction_id(k):
-                case ca.OP_TWICE:  # 2.*x
-                    return operands[0] + operands[0]
-                case ca.OP_INV:  # 1./x
-                    return ca.SX(1) / operands[0]
-                case other:
-                    return _plain(other, operands)
-
-        return ca.Function(f.name(), inputs, _rewritten(flat, scalars, expressions, operation))
-
-
 def _divisors(f: ca.Function) -> dict[int, int]:
     """The divisions by a value that is a divisor more than once: instruction → instruction that made the value."""
     made: dict[int, int] = {}
@@ -128,8 +108,9 @@ def _operation(operation: int, operands: Sequence[ca.SX], reciprocals: Mapping[i
             return first * reciprocal
         if operation == ca.OP_INV:
             return reciprocal
-    return _plain(operation, operands)
+    return plain(operation, operands)
 
 
-def _plain(operation: int, operands: Sequence[ca.SX]) -> ca.SX:
+def plain(operation: int, operands: Sequence[ca.SX]) -> ca.SX:
+    """An operation of CasADi as it is."""
     return ca.SX.unary(operation, operands[0]) if len(operands) == 1 else ca.SX.binary(operation, *operands)

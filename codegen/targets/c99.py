@@ -17,11 +17,31 @@ from ...model.block import BlockError
 from .manifest import Manifest, Member
 
 _TEMPLATES = "hillobs.codegen.targets.templates"
-# words that C and C++ keep for themselves, and macros of their libraries that a struct may not have as members
+# words that C and C++ keep for themselves, and macros of their libraries: no struct may have them as members
 _TAKEN = frozenset((resources.files(_TEMPLATES) / "taken.txt").read_text(encoding="utf-8").split())
 DOUBLE, FLOAT = "double", "float"
 # that tell two numbers apart
 _DIGITS = {DOUBLE: 17, FLOAT: 9}
+# functions that CasADi calls, by their names for doubles
+_MATHEMATICS = frozenset(
+    {
+        "acos",
+        "acosh",
+        "asin",
+        "asinh",
+        "atan",
+        "atan2",
+        "atanh",
+        "ceil",
+        "copysign",
+        "cos",
+        "cosh",
+        "erf",
+        "exp",
+        "expm1",
+    }
+    | {"fabs", "floor", "fmax", "fmin", "fmod", "hypot", "log", "log1p", "pow", "sin", "sinh", "sqrt", "tan", "tanh"}
+)
 # a float constant is a double that becomes one where it is assigned
 _FLOAT_PRAGMA = """/* CasADi writes constants as doubles, which become floats where they are assigned */
 #pragma GCC diagnostic ignored "-Wfloat-conversion"
@@ -79,6 +99,7 @@ def c_files(manifest: Manifest, real: str = DOUBLE) -> dict[str, str]:
         "code": code,
         "defaults": "\n".join(defaults),
         "advance": _filled("advance.c", common) if manifest.substeps else "",
+        "mathematics": "".join(_of_floats(code)) if real == FLOAT else "",
         "pragmas": _FLOAT_PRAGMA if real == FLOAT else "",
     }
     program = {
@@ -115,6 +136,13 @@ def _casadi(functions: Sequence[ca.Function], prefix: str, real: str) -> str:
     for function in functions:
         generator.add(function)
     return str(generator.dump()).strip()
+
+
+def _of_floats(code: str) -> Iterator[str]:
+    """Lines that make CasADi call the functions of floats."""
+    yield "\n/* CasADi calls all functions by their names for doubles */\n"
+    for name in sorted({*re.findall(r"\b([a-z0-9]+)\(", code)} & _MATHEMATICS):
+        yield f"#define {name} {name}f\n"
 
 
 def _filled(template: str, words: Mapping[str, str]) -> str:

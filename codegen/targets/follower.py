@@ -10,8 +10,8 @@ import casadi as ca
 
 from ...model.block import Block, BlockError, Symbols, symbols
 from ..bank import Bank
-from ..lowering import without_literals
 from ..stepper import functions
+from .floats import summed_apart, without_literals
 
 # where RK4 looks, in steps
 _NODES = (0.0, 0.5, 0.5, 1.0)
@@ -97,7 +97,7 @@ def follower(bank: Bank, clock: Clock, prefix: str) -> Follower:
     there = ca.vertcat(now, seen_from if clock.substeps else told(now))
     at, x = begun + d, x + delta
     if "sample" in table:
-        x = table["sample"](at, x, p, [], there)
+        x = summed_apart(table["sample"], "x")(at, x, p, [], there)
     y, domain = table["out"](at, x, p, [], there)
     guards = table["watch"](at, x, p, [], there)
     magnitudes = ca.fabs(ca.vertcat(x, y)) * table["scales"](clock.period / max(clock.substeps, 1), p)

@@ -1,9 +1,8 @@
 /* $title: see $name.h. The functions are CasADi's, unchanged; the few lines behind them call these. */
 #include "$name.h"
 
-/* with types of their own, sqrt and exp are those of $real */
-#include <tgmath.h>
-
+#include <math.h>
+$mathematics
 #define CASADI_SYMBOL_EXPORT static
 
 #ifdef __GNUC__

@@ -14,6 +14,7 @@ from exported_programs import (
     PERIOD,
     STRICT,
     answered,
+    assert_same,
     built,
     compiled,
     estimates,
@@ -28,20 +29,6 @@ from hillobs.studies.estimate.run import estimate
 from places import RECORDINGS
 
 pytestmark = needs_cc
-
-# another order of operations rounds otherwise, 2e-16 each, which the slopes of the estimates, up to 10³, make larger
-DOUBLE = 1e-12
-# the same of float's 1.2e-7, with what averages out over a chain's memory of some ten samples
-FLOAT = {"a1_hat": 1e-4, "a2_hat": 1e-4, "Delta_hat": 1e-3}
-
-
-def assert_same(theirs: dict[str, np.ndarray], ours: dict[str, np.ndarray], single: bool) -> None:
-    assert [*theirs] == [*ours, "status"]
-    for name, expected in ours.items():
-        if not single:
-            np.testing.assert_allclose(theirs[name], expected, rtol=0, atol=DOUBLE, err_msg=name)
-        elif name in FLOAT:
-            np.testing.assert_allclose(theirs[name], expected, rtol=0, atol=FLOAT[name], err_msg=name)
 
 
 # one with a boundary layer and steps between samples, one that moves at samples, which has the most equations
