@@ -112,7 +112,8 @@ def c_files(manifest: Manifest, real: str = DOUBLE) -> dict[str, str]:
             f'        printf("%.{_DIGITS[real]}g,", (double)estimate.{name});' for name in groups["estimate"]
         ),
     }
-    page = {"input_members": "`, `".join(groups["input"])}
+    page = {"input_members": "`, `".join(groups["input"]), "steps_sentence": _steps(manifest.substeps)}
+    page["Sentence"] = common["sentence"][:1].upper() + common["sentence"][1:]
     texts = (
         _filled("observer.h", {**common, **header, **period}),
         _filled("observer.c", {**common, **source}),
@@ -190,3 +191,10 @@ def _text(words: str) -> str:
 
 def _time(unit: str) -> str:
     return f"from sample to sample, in {unit}" if unit else "from sample to sample, in the paper's time τ = v_max t"
+
+
+def _steps(substeps: int) -> str:
+    if not substeps:
+        return "It moves at samples only."
+    many = f"{substeps} step{'s' * (substeps > 1)}"
+    return f"It makes {many} from sample to sample, for the numbers exported: faster gains may ask for another export."

@@ -10,11 +10,10 @@ import casadi as ca
 
 from ...model.block import Block, BlockError, Symbols, symbols
 from ..bank import Bank
-from ..stepper import functions
+from ..stepper import NODES, functions
+from .clocks import without_clocks
 from .floats import summed_apart, without_literals
 
-# where RK4 looks, in steps
-_NODES = (0.0, 0.5, 0.5, 1.0)
 # a measurement beyond it is none; fmax and fmin, in the inverse of a tendon, would make a number of what is none
 _BEYOND = 1e30
 # the time of the last sample, where an observer must know it
@@ -40,7 +39,7 @@ class Follower:
         start  (p, u)           → s
         depart (s)              → m
         advance(i, p, s, u, m)  → m after step i, of `substeps`, on the way to the sample u
-        arrive (d, p, s, u, m)  → s at the sample u, e, fine, limited; d: time since the last sample
+        arrive (d, p, s, u, m)  → s at the sample u, e, fine, limited; d: periods since the last sample
 
     s: states, then the measurements of the last sample and what the front made of them. m: how far the states have
     moved since, which a float tells better than where they are, and what the front makes of the measurements there.
@@ -62,7 +61,7 @@ def follower(bank: Bank, clock: Clock, prefix: str) -> Follower:
     (given,) = bank.observers
     if given.per_step:
         raise BlockError(f"{given.name}: it moves at the points of a time grid, and samples have none")
-    block, absolute = _without_clocks(given)
+    block, absolute = without_clocks(given)
     seen = (*bank.measured, *bank.front.y)
     table, front = functions(block, (), seen), functions(bank.front, (), bank.measured)["out"]
     parts = [len(block.x), int(absolute), len(bank.measured), len(bank.front.y)]
@@ -87,15 +86,15 @@ def follower(bank: Bank, clock: Clock, prefix: str) -> Follower:
     if clock.substeps:
         h = clock.period / clock.substeps
         # y(τ) = y_{k−1} + (y_k − y_{k−1}) (i + c)/n
-        begin, middle, end = (y + (now - y) * ((i + node) / clock.substeps) for node in sorted({*_NODES}))
-        after = told(end)
-        stages = [ca.vertcat(begin, seen_from), *2 * [ca.vertcat(middle, told(middle))], ca.vertcat(end, after)]
+        line = {c: y + (now - y) * ((i + c) / clock.substeps) for c in NODES}
+        made_of_it = {c: told(there) if c else seen_from for c, there in line.items()}
+        stages = [ca.vertcat(line[c], made_of_it[c]) for c in NODES]
         moved, _ = functions(_shifted(block), [*map(_base, block.x)], seen)["step"](
             begun + i * h, h, delta, p, x, ca.horzcat(*stages)
         )
-        made["advance"] = ([i, p, s, u, m], [ca.vertcat(moved, after)])
+        made["advance"] = ([i, p, s, u, m], [ca.vertcat(moved, made_of_it[NODES[-1]])])
     there = ca.vertcat(now, seen_from if clock.substeps else told(now))
-    at, x = begun + d, x + delta
+    at, x = begun + d * clock.period, x + delta
     if "sample" in table:
         x = summed_apart(table["sample"], "x")(at, x, p, [], there)
     y, domain = table["out"](at, x, p, [], there)
@@ -150,29 +149,3 @@ def _any(conditions: Sequence[ca.SX]) -> ca.SX:
     for condition in conditions:
         result = ca.logic_or(result, condition > 0)
     return result
-
-
-def _without_clocks(block: Block) -> tuple[Block, bool]:
-    """The observer with time counted from the last sample, without the states that remember when that was.
-
-    And whether time must be counted from the first sample on: if it asks for more than differences.
-    """
-    if "t" not in block.u:
-        return block, False
-    t = block.u["t"]
-    # CasADi makes e of (o + e) − o, and nothing is left of o where differences alone count
-    clocks = [n for n, e in block.next.items() if ca.is_equal(e, t) and ca.is_equal(block.x0.get(n, ca.SX(0)), t)]
-    origin, elapsed = ca.SX.sym("origin"), ca.SX.sym("elapsed")
-
-    def from_origin(entries: Symbols) -> Symbols:
-        old = ca.vertcat(t, *(block.x[name] for name in clocks))
-        new = ca.vertcat(origin + elapsed, *[origin] * len(clocks))
-        kept = entries.only(name for name in entries if name not in clocks)
-        return Symbols(zip(kept, ca.vertsplit(ca.substitute(kept.vector(), old, new)), strict=True)) if kept else kept
-
-    u = Symbols({**block.u, "t": elapsed})
-    try:
-        x = block.x.only(name for name in block.x if name not in clocks)
-        return block.rewritten(from_origin, x=x, u=u), False
-    except BlockError:  # the origin is still there
-        return block, True

@@ -5,22 +5,20 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
-
-import casadi as ca
 
 from ...codegen.bank import Bank
 from ...codegen.targets.follower import TIME, Clock, follower
 from ...codegen.targets.manifest import Manifest, Member
-from ...model.block import Block, Parameter, Symbols
+from ...model.block import Block, Parameter
 from ...model.curves.tendon import tendon
 from ...model.limits import STABLE
 from ...model.symbols import SIGNALS, hat, signal_of
 from ...model.system import System
 from ...observers import Observer, estimator_of
 from ...observers.tendons import tendons
-from ..estimate.start import first_inputs
+from ..estimate.start import begun
 from ..estimate.substeps import LONGEST_PERIOD, MOST_STEPS, substeps
 from ..files.errors import ScenarioError
 from ..files.numbers import number, whole
@@ -93,7 +91,7 @@ def exported(
     if chosen.period and f"{name}.{chosen.period}" not in found.given:
         values[chosen.period] = T
     n = _steps(name, chosen, found, values, T, steps)
-    block = _begun(found.block, system)
+    block = begun(found.block, system)
     units = _units(system, scales) if scales else {}
     bank = Bank(system.measured, tendons(system), None, (block,))
     made = follower(bank, Clock(T, n, {signal: size for signal, (size, _) in units.items()}), f"hillobs_{name}")
@@ -189,18 +187,6 @@ def _midway(system: System, values: Mapping[str, float]) -> dict[str, float]:
         here = tendon(system.curves[muscle], muscle, values)
         at |= {force: here.toe_force, length: here.edges[1]}
     return at
-
-
-def _begun(block: Block, system: System) -> Block:
-    """The observer with x̂(0) from its first sample in the place of numbers for it."""
-    sources = {path: source for path, source in first_inputs(system).items() if path in block.p}
-    u = Symbols({**{name: ca.SX.sym(name) for name in sources.values() if name}, **block.u})
-    old = ca.vertcat(*(block.p[path] for path in sources))
-    new = ca.vertcat(*(u[source] if source else ca.SX(0) for source in sources.values()))
-    x0 = Symbols({name: ca.substitute(start, old, new) for name, start in block.x0.items()}) if sources else block.x0
-    kept = [name for name in block.p if name not in sources]
-    parameters = {name: block.parameters[name] for name in kept}
-    return replace(block, u=u, x0=x0, p=block.p.only(kept), parameters=parameters)
 
 
 def _units(system: System, scales: Scales) -> dict[str, tuple[float, str]]:

@@ -28,13 +28,13 @@ const ${prefix}_params ${prefix}_defaults = {
 $defaults
 };
 
-/* Looks at the sample at which `state` arrives, moved by `motion`, and keeps what comes of it if all is well. */
-static int ${prefix}_keep(${prefix}_real elapsed, const ${prefix}_state *from, const ${prefix}_real *motion,
+/* Looks at the sample at which `from` arrives after so many periods, moved by `motion`, and keeps what comes of it if all is well. */
+static int ${prefix}_keep(${prefix}_real periods, const ${prefix}_state *from, const ${prefix}_real *motion,
     ${prefix}_state *state, const ${prefix}_params *params, const ${prefix}_input *input, ${prefix}_estimate *estimate) {
     ${prefix}_state arrived;
     ${prefix}_estimate told;
     ${prefix}_real fine = 0, limited = 0;
-    const ${prefix}_real *arg[$n_arg] = {&elapsed, (const ${prefix}_real *)params, (const ${prefix}_real *)from,
+    const ${prefix}_real *arg[$n_arg] = {&periods, (const ${prefix}_real *)params, (const ${prefix}_real *)from,
         (const ${prefix}_real *)input, motion};
     ${prefix}_real *res[$n_res] = {(${prefix}_real *)&arrived, (${prefix}_real *)&told, &fine, &limited};
     ${prefix}_arrive(arg, res, 0, 0, 0);
@@ -67,5 +67,5 @@ int ${prefix}_step(${prefix}_state *state, const ${prefix}_params *params, const
     ${prefix}_real motion[2][$n_motion];
     int i = 0;
     ${prefix}_rest(state, motion[0]);
-$advance    return ${prefix}_keep(${PREFIX}_PERIOD, state, motion[i % 2], state, params, input, estimate);
+$advance    return ${prefix}_keep(1, state, motion[i % 2], state, params, input, estimate);
 }

@@ -11,16 +11,19 @@ extern "C" {
 #endif
 
 #define ${PREFIX}_VERSION "$version"
-#define ${PREFIX}_GRAPH "$graph" /* of the equations: other ones have another */
-#define ${PREFIX}_PERIOD $period_literal /* $period_sentence */
-#define ${PREFIX}_SUBSTEPS $substeps /* RK4 steps from sample to sample; 0 if it moves at samples only */
+/* of the equations, with the period and the units: what has the same computes the same */
+#define ${PREFIX}_GRAPH "$graph"
+/* $period_sentence */
+#define ${PREFIX}_PERIOD $period_literal
+/* RK4 steps from sample to sample; 0 if it moves at samples only */
+#define ${PREFIX}_SUBSTEPS $substeps
 
 typedef $real ${prefix}_real;
 
 /* what init and step return */
 enum {
     ${PREFIX}_OK = 0,
-    ${PREFIX}_FAILED = 1, /* something is no finite number or beyond all limits: state and estimate are as they were */
+    ${PREFIX}_FAILED = 1, /* a number is not finite or beyond its limits: state and estimate are as they were */
     ${PREFIX}_LIMITED = 2 /* done, and a limit was active: see the last members of the estimate */
 };
 
