@@ -31,7 +31,9 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Take over the options of `pytest_addoption`; let the processes that tests start hear signals, under nohup too."""
+    """Take over the options of `pytest_addoption`; give workers one thread of BLAS, and ears under nohup too."""
+    # as the command line does, for the workers: threads of small matrices that wait for a processor wait spinning
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         if signal.getsignal(number) == signal.SIG_IGN:
             signal.signal(number, lambda *_: None)  # deafness is inherited, a handler is not

@@ -1,5 +1,7 @@
 """The contenders of `make bench` solve the same problem, and the emitter writes what CasADi computes."""
 
+from collections.abc import Iterator
+
 import casadi as ca
 import numpy as np
 import pytest
@@ -11,8 +13,17 @@ from benchmarks.lean import lean_rates, lean_step
 from benchmarks.problem import noise, problem, right_hand_side, states
 from benchmarks.report import Section
 from benchmarks.roofline import Work, work_of
+from few_observers import few_observers
+from hillobs.observers import PAPER
 
 RUNS = 3
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _few() -> Iterator[None]:
+    """The library of the problem has the observers that take part."""
+    with few_observers(*PAPER):
+        yield
 
 
 def functions() -> list[tuple[ca.Function, dict[str, list[float]]]]:

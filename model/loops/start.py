@@ -52,13 +52,11 @@ def start(system: System, p: Symbols) -> Symbols:
     for _ in range(_ROUNDS):
         wanted, full = [], []
         for muscle, of, n, L_m, L in zip(system.muscles, curves, numbers, lengths, L_S, strict=True):
-            # at rest the activation rises straight with the force:  F = (a − a(0))/(∂a/∂F)
-            F = ca.SX.sym("F")
-            along, L_C, still = along_fibres(F, L_m, L, ca.SX(0), n)
-            a = of.activation(along, L_C, still, n)
-            rise = ca.jacobian(a, F)
-            wanted.append((p[f"initial.{system.name('a', muscle)}"] - ca.substitute(a, F, 0)) / rise)
-            full.append(1 / rise)
+            # F = cos α (Φ_P + a f) at rest
+            share, L_C, still = along_fibres(ca.SX(1), L_m, L, ca.SX(0), n)
+            passive, most = (of.force(L_C, ca.SX(a), still, n) / share for a in (0, 1))
+            full.append(most - passive)
+            wanted.append(passive + p[f"initial.{system.name('a', muscle)}"] * full[-1])
         least = _LEAST * ca.vertcat(*straight)
         forces = _balanced(system, q, dq, ca.vertcat(*wanted), ca.vertcat(*full), least, p)
         L_S = [c.Phi_S_inv(force, n) for c, n, force in zip(curves, numbers, ca.vertsplit(forces), strict=True)]

@@ -7,7 +7,6 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
 
 from ...codegen.loop import Loop
 from ...model.curves import CURVES, SIMULATED, Curves
@@ -37,36 +36,9 @@ CHOICES: Mapping[str, tuple[str, ...]] = {
 GROUPED = {"muscle.curves": tuple(f"{muscle}.curves" for muscle in MUSCLES)}
 
 
-class World(Protocol):
-    """What simulations ask of it.
-
-    subject: of a mechanism, with its scales; choices: all keys that are no numbers, with what was chosen.
-    """
-
-    @property
-    def system(self) -> System: ...  # noqa: D102 — see above
-
-    @property
-    def subject(self) -> Subject | None: ...  # noqa: D102
-
-    @property
-    def choices(self) -> Mapping[str, str]: ...  # noqa: D102
-
-    @property
-    def pulses(self) -> tuple[str, ...]: ...  # noqa: D102
-
-    def paths(self, own: tuple[Observer, ...], corrected: bool) -> Paths:
-        """The table of all paths; `own` are a user's observers."""
-
-    def loop(
-        self, chosen: Mapping[str, Observer], corrected: bool, quantities: tuple[str, ...], measures: tuple[str, ...]
-    ) -> Loop:
-        """The closed loop with the observers chosen, and maybe others."""
-
-
 @dataclass(frozen=True)
 class PairWorld:
-    """The paper's."""
+    """The paper's. choices: all keys that are no numbers, with what was chosen."""
 
     choices: Mapping[str, str]
     subject: None = None
@@ -83,13 +55,13 @@ class PairWorld:
         return pair_system(self.curves)
 
     def paths(self, own: tuple[Observer, ...], corrected: bool) -> Paths:
-        """See World."""
+        """The table of all paths; `own` are a user's observers."""
         return all_paths(own, self.curves, corrected)
 
     def loop(
         self, chosen: Mapping[str, Observer], corrected: bool, quantities: tuple[str, ...], measures: tuple[str, ...]
     ) -> Loop:
-        """All registered observers are in it, so that one library serves whatever is asked for."""
+        """The closed loop with all registered observers, so that one library serves whatever is asked for."""
         observers = compiled_with(chosen)
         return paper_loop(self.choices[DRIVE], self.curves, observers, corrected, None, quantities, measures)
 
@@ -113,15 +85,18 @@ class MechanismWorld:
         return tuple(name for name in self.choices[TRACKS].replace(",", " ").split())
 
     def paths(self, own: tuple[Observer, ...], corrected: bool) -> Paths:
-        """See World."""
+        """The table of all paths; `own` are a user's observers."""
         return paths_of_mechanism(self.subject, drives(self.subject), self.tracked, own, corrected)
 
     def loop(
         self, chosen: Mapping[str, Observer], corrected: bool, quantities: tuple[str, ...], measures: tuple[str, ...]
     ) -> Loop:
-        """Those chosen alone are in it: there is one library for each mechanism anyway."""
+        """The closed loop with those chosen alone: there is one library for each mechanism anyway."""
         drive, observers = self.choices[DRIVE], tuple(chosen.values())
         return loop_of_mechanism(self.subject, drive, self.tracked, observers, corrected, quantities, measures)
+
+
+World = PairWorld | MechanismWorld
 
 
 def curves_of(choices: Mapping[str, str]) -> Curves:

@@ -12,6 +12,8 @@ from ...model.arrays import Array
 _RICHARDSON = 2.0
 # relative; below it the two digits of a table stay as they are, or nearly
 SHOWN_FROM = 0.01
+# a smaller measure of what is of the order of 1 is rounding, whatever the step
+_ROUNDING = 1e-12
 
 
 def step_error(measured: ArrayLike, halved: ArrayLike) -> Array:
@@ -24,10 +26,14 @@ def step_error(measured: ArrayLike, halved: ArrayLike) -> Array:
 
 
 def relative(error: ArrayLike, measured: ArrayLike) -> Array:
-    """The error as a fraction of the measure, arrays of one shape; NaN without a measure, 0 without an error."""
+    """The error as a fraction of the measure, arrays of one shape; NaN without a measure, 0 without an error.
+
+    Of what is no more than rounding it is 0 too.
+    """
     parts, whole = np.asarray(error, dtype=float), np.asarray(measured, dtype=float)
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(np.isnan(whole), np.nan, np.where(parts == 0, 0.0, parts / whole))
+        small = (parts == 0) | ((np.abs(whole) < _ROUNDING) & (parts < _ROUNDING))
+        return np.where(np.isnan(whole), np.nan, np.where(small, 0.0, parts / whole))
 
 
 def error_of(measure: str) -> str:

@@ -16,10 +16,6 @@ import pytest
 from forks import COMMAND, PARTS
 from survival import ERRORS, STOPPED, SWEEP, assert_a_signal_ends_both, assert_goes_on, assert_survives, kept, writes
 
-# one process for all of them
-pytestmark = pytest.mark.xdist_group("forks")
-
-
 # kill −9
 
 
@@ -54,7 +50,7 @@ def test_a_signal_ends_it_with_a_sentence(forks, untouched, tmp_path, first: int
     whole, calls = untouched
     name, twice = ("SIGINT", "SIGTERM", "SIGHUP")[first % 3], first >= 3
     seen = set()
-    for at in range(2 + first * 3, len(calls) + 1, 18):
+    for at in range(2 + first * 6, len(calls) + 1, 36):
         done = assert_survives(forks, tmp_path / str(at), whole, fault=name, at=at, twice=twice)
         assert done.code == 128 + getattr(signal, name)
         seen.add(done.err)
@@ -99,7 +95,7 @@ FAULTS = [("ENOSPC", False), ("ENOSPC", True), ("EIO", False), ("EACCES", True)]
 def test_a_disk_that_fails_at_a_call(forks, untouched, tmp_path, fault: str, ever: bool) -> None:
     whole, calls = untouched
     said = []
-    for at in range(1 + FAULTS.index((fault, ever)), len(calls) + 1, 7):
+    for at in range(1 + 3 * FAULTS.index((fault, ever)), len(calls) + 1, 14):
         done = assert_survives(forks, tmp_path / str(at), whole, fault=fault, at=at, ever=ever)
         assert done.code in (0, 2)
         assert bool(done.err) == (done.code == 2)
@@ -108,7 +104,7 @@ def test_a_disk_that_fails_at_a_call(forks, untouched, tmp_path, fault: str, eve
             assert done.err.startswith("hillobs: ")
             assert ERRORS[fault] in done.err
             assert re.match(r"hillobs: (\.|x\.nc\S*) cannot be (written|read)", done.err)
-    assert len(said) >= 4
+    assert len(said) >= 2
 
 
 @pytest.mark.parametrize("size", [0, 10, 50, 400, 2000, 6000])

@@ -29,10 +29,7 @@ from hillobs.studies.files.writing import writable_folder, write_whole
 from hillobs.studies.files.written import remember
 from survival import SWEEP
 
-pytestmark = [
-    pytest.mark.xdist_group("forks"),
-    pytest.mark.skipif(os.geteuid() != 0, reason="only root can become two users"),
-]
+pytestmark = pytest.mark.skipif(os.geteuid() != 0, reason="only root can become two users")
 
 _FIRST_FREE = 60_001
 

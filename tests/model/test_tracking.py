@@ -6,10 +6,13 @@ import pytest
 
 from hillobs.codegen.stepper import functions
 from hillobs.model.arrays import Array
-from hillobs.model.block import Block, BlockError, Symbols
+from hillobs.model.block import Block, BlockError, Symbols, symbols
 from hillobs.model.control.backstepping import riccati
 from hillobs.model.control.tracking import tracking
+from hillobs.model.curves import CURVES
 from hillobs.model.loops.mechanism_loop import mechanism_loop
+from hillobs.model.loops.start import start, start_parameters
+from hillobs.model.mechanism import mechanism_system
 from hillobs.studies.laboratory.subject import subject_of
 from places import RECORDINGS
 
@@ -54,6 +57,28 @@ def test_a_run_starts_with_joints_that_do_not_accelerate(activation: float) -> N
     """In the middle and at the ends of all ranges; 1e−10: a ridge of 1e−12 of forces that accelerate by a hundred."""
     for place in ((-0.2, 1.4), (0.1, 1.6), (-0.9, 0.3), (0.4, 2.0)):
         assert accelerations_at_start(place, activation) < 1e-10
+
+
+def test_muscles_that_can_be_slack_start_in_balance_too() -> None:
+    """Thelen's activations are no straight line of the force, and their tendons have none below slack length."""
+    curves = dict.fromkeys(SYSTEM.muscles, CURVES["thelen2003"])
+    mechanism = ARM.mechanism
+    tree = mechanism.tree.scaled(ARM.scales.length, ARM.scales.mass, ARM.scales.rate)
+    paths = {
+        name: path.scaled(ARM.scales.length, {"shoulder": 1.0, "elbow": 1.0}) for name, path in mechanism.paths.items()
+    }
+    system = mechanism_system(tree, paths, curves, frozenset(m for m, of in ARM.muscles.items() if of.pennation))
+    p = symbols({**start_parameters(system), **system.curve_parameters})
+    x = start(system, p)
+    forces = [curves[m].Phi_S(x[f"{m}.L_S"], p.part(m)) for m in system.muscles]
+    at = [x[f"{joint}.q"] for joint in system.joints]
+    acc = system.accelerations(at, [x[f"{joint}.dq"] for joint in system.joints], forces, p)
+    function = ca.Function("acc", [p.vector()], [ca.vertcat(*acc, *forces)])
+    known = {**ARM.scales.numbers, "initial.shoulder.q": -0.2, "initial.elbow.q": 1.4}
+    parameters = {**start_parameters(system), **system.curve_parameters}
+    told = np.array(function([known.get(name, one.default) for name, one in parameters.items()])).ravel()
+    assert np.abs(told[:2]).max() < 1e-10
+    assert (told[2:] > 0).all()
 
 
 def lie(truth: Block, expressions: ca.SX) -> ca.SX:

@@ -141,8 +141,10 @@ def test_measures_of_the_stored_solution():
 
 
 # ---------------------------------------------------------------- the tables
+# long: test_loop.py holds the compiled loop against the same tables, and, step by step, against this program
 
 
+@pytest.mark.chaos
 def test_errors_of_paper_noisy():
     run = simulate({**NOISE, "step": 2.5e-3}, seeds=range(6))
     for name, expected in NOISY.items():
@@ -155,6 +157,7 @@ def test_errors_of_paper_noisy():
     assert not run.slack.any()
 
 
+@pytest.mark.chaos
 def test_errors_of_challenge():
     run = simulate({**SCENARIOS["challenge"], "step": 2.5e-3}, seeds=range(6))
     for name, expected in CHALLENGE.items():

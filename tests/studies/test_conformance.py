@@ -4,6 +4,7 @@ import dataclasses
 
 import pytest
 
+from few_observers import few_observers
 from hillobs.model.block import Block, Parameter, Symbols, symbols
 from hillobs.model.system import PAIR
 from hillobs.observers import OBSERVERS, baseline_estimator
@@ -18,8 +19,10 @@ def test_ours_conform(name: str) -> None:
     assert conformance(OBSERVERS[name].block()) == []
 
 
-def test_a_users_own_conforms(proportional: Block) -> None:
-    assert conformance(proportional) == []
+@pytest.mark.parametrize("beside", [("high_gain",), pytest.param(tuple(OBSERVERS), marks=pytest.mark.chaos)], ids=len)
+def test_a_users_own_conforms_beside_ours(beside: tuple[str, ...], proportional: Block) -> None:
+    with few_observers(*beside):
+        assert conformance(proportional) == []
 
 
 def test_a_missing_port_is_named(proportional: Block) -> None:

@@ -9,7 +9,7 @@ import pytest
 from places import contents
 from survival import ERRORS, STOPPED, SWEEP, assert_a_signal_ends_both, assert_goes_on, assert_survives
 
-pytestmark = [pytest.mark.chaos, pytest.mark.xdist_group("forks")]
+pytestmark = pytest.mark.chaos
 
 
 @pytest.mark.parametrize(

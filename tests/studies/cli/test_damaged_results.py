@@ -1,11 +1,11 @@
 """Figures of a damaged result are refused in one sentence, and the reader does not hang."""
 
-import subprocess
 from pathlib import Path
 
 import pytest
 
-from command_line import CHANGED, SHORT, in_a_process
+from command_line import CHANGED, SHORT
+from forks import Forks
 
 DAMAGE = {
     "empty": lambda raw: b"",
@@ -17,16 +17,13 @@ DAMAGE = {
 
 
 @pytest.mark.parametrize("how", DAMAGE)
-def test_figures_of_a_damaged_result_are_refused(how: str, command, tmp_path: Path) -> None:
+def test_figures_of_a_damaged_result_are_refused(how: str, command, forks: Forks, tmp_path: Path) -> None:
     command("simulate", "paper-clean", *SHORT, "--no-figures", "--out", ".")
     path = tmp_path / f"paper-clean{CHANGED}.nc"
     path.write_bytes(DAMAGE[how](path.read_bytes()))
-    # in a process of its own: a reader that is led astray by the damage may never come back
-    try:
-        done = in_a_process("-m", "hillobs", "figures", str(path), timeout=20)
-    except subprocess.TimeoutExpired:
-        pytest.fail("the reader hangs")
-    assert (done.returncode, done.stdout) == (2, "")
-    assert done.stderr.startswith(f"hillobs: {path} ")
-    assert done.stderr.count("\n") == 1
+    # a reader that is led astray by the damage may never come back: an alarm ends the fork
+    done = forks.run(tmp_path, "figures", str(path))
+    assert (done.code, done.out) == (2, "")
+    assert done.err.startswith(f"hillobs: {path} ")
+    assert done.err.count("\n") == 1
     assert not list(tmp_path.glob("*.p*f"))

@@ -7,8 +7,10 @@ import sys
 from pathlib import Path
 
 import pytest
+from click.shell_completion import shell_complete
 
 from command_line import in_a_process
+from hillobs.studies.cli.main import commands
 
 
 def test_alone_it_shows_its_help(command) -> None:
@@ -33,21 +35,36 @@ COMPLETED = {
 }
 
 
-def completed(words: str, folder: Path) -> set[str]:
-    asked = {"_HILLOBS_COMPLETE": "bash_complete", "COMP_WORDS": words, "COMP_CWORD": str(words.count(" "))}
-    command, environment = Path(sys.executable).parent / "hillobs", os.environ | asked
-    done = subprocess.run([command], capture_output=True, text=True, check=True, env=environment, cwd=folder)
-    return {line.partition(",")[2] for line in done.stdout.splitlines()}
+VARIABLE = "_HILLOBS_COMPLETE"
+
+
+def asked(words: str) -> dict[str, str]:
+    """What a shell asks by, in the environment."""
+    return {VARIABLE: "bash_complete", "COMP_WORDS": words, "COMP_CWORD": str(words.count(" "))}
+
+
+def completed(out: str) -> set[str]:
+    return {line.partition(",")[2] for line in out.splitlines()}
 
 
 @pytest.mark.parametrize("words", COMPLETED)
-def test_a_shell_completes(words: str, tmp_path: Path) -> None:
-    assert completed(words, tmp_path) == COMPLETED[words]
+def test_a_shell_completes(
+    words: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for name, value in asked(words).items():
+        monkeypatch.setenv(name, value)
+    assert shell_complete(commands, {}, "hillobs", VARIABLE, "bash_complete") == 0
+    assert completed(capsys.readouterr().out) == COMPLETED[words]
 
 
 def test_completion_does_not_run_the_file_of_an_observer(tmp_path: Path) -> None:
+    """The program itself, as a shell starts it."""
     (tmp_path / "own.py").write_text("open('ran', 'w')")
-    assert completed("hillobs simulate --observer own.py:x sla", tmp_path) == COMPLETED["hillobs simulate sla"]
+    environment = os.environ | asked("hillobs simulate --observer own.py:x sla")
+    program = Path(sys.executable).parent / "hillobs"
+    done = subprocess.run([program], capture_output=True, text=True, check=True, env=environment, cwd=tmp_path)
+    assert completed(done.stdout) == COMPLETED["hillobs simulate sla"]
     assert [path.name for path in tmp_path.iterdir()] == ["own.py"]
 
 

@@ -2,21 +2,25 @@
 
 import shutil
 import subprocess
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from command_line import CHANGED, SHORT, in_a_process
 
+Command = Callable[..., tuple[int, str, str]]
 
-def test_it_is_the_same_without_asserts(tmp_path: Path) -> None:
+
+def test_it_is_the_same_without_asserts(command: Command, tmp_path: Path) -> None:
     """python -O: nothing a user can reach is guarded by an assert."""
-    for option in ([], ["-O"]):
-        done = in_a_process(*option, "-m", "hillobs", "simulate", "--set", "plant.m=0", "--out", str(tmp_path))
-        assert (done.returncode, done.stderr) == (2, "hillobs: plant.m must be above 0, not 0\n")
+    words = ["simulate", "--set", "plant.m=0", "--out", str(tmp_path)]
+    done = in_a_process("-O", "-m", "hillobs", *words)
+    assert (done.returncode, done.stderr) == (2, "hillobs: plant.m must be above 0, not 0\n")
+    assert command(*words) == (2, "", done.stderr)
 
 
-def test_a_german_locale_keeps_the_point(tmp_path: Path) -> None:
+def test_a_german_locale_keeps_the_point(command: Command, tmp_path: Path) -> None:
     if not shutil.which("localedef"):
         pytest.skip("no localedef to make a German locale with")
     made = subprocess.run(
@@ -25,22 +29,12 @@ def test_a_german_locale_keeps_the_point(tmp_path: Path) -> None:
     if not (tmp_path / "de_DE.UTF-8").is_dir():
         pytest.skip(f"localedef has no German locale: {made.stderr.decode()[:80]}")
     german = {"LOCPATH": str(tmp_path), "LC_ALL": "de_DE.UTF-8"}
-    results = []
-    for name, environment in (("de", german), ("c", {})):
-        done = in_a_process(
-            "-m",
-            "hillobs",
-            "simulate",
-            "paper-noisy",
-            *SHORT,
-            "--no-figures",
-            "--out",
-            str(tmp_path / name),
-            **environment,
-        )
-        assert done.returncode == 0, done.stderr
-        results.append((tmp_path / name / f"paper-noisy{CHANGED}.csv").read_text())
-    assert results[0] == results[1]
+    words = ["simulate", "paper-noisy", *SHORT, "--no-figures", "--out"]
+    done = in_a_process("-m", "hillobs", *words, str(tmp_path / "de"), **german)
+    assert done.returncode == 0, done.stderr
+    assert command(*words, str(tmp_path / "c"))[0] == 0
+    there, here = ((tmp_path / name / f"paper-noisy{CHANGED}.csv").read_text() for name in ("de", "c"))
+    assert there == here
     done = in_a_process("-m", "hillobs", "simulate", "--set", "plant.m=1,5", **german)
     assert (done.returncode, done.stderr) == (2, "hillobs: plant.m must be a number, not '1,5'\n")
 

@@ -6,6 +6,7 @@ import pytest
 import xarray as xr
 
 import hillobs
+from few_observers import few_observers
 from hillobs.studies.estimate.run import estimate
 from hillobs.studies.files.tables import Series, write_csv
 from hillobs.studies.laboratory.muscles import read_muscles
@@ -42,9 +43,10 @@ def unlike(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
     changes = {f"muscle{j}.curves": getattr(pair, f"muscle{j}").curves.name for j in (1, 2)} | dict(s.numbers)
     changes |= {"initial.x1": 3.1, "initial.x3": 2.03, "initial.x4": 1.92, "uncertainty.offset": 0.02}
     changes |= {"uncertainty.amplitude": 0.08, "uncertainty.frequency": 0.3, "activation1.frequency": 0.35}
-    changes |= {"activation2.frequency": 0.25, "noise.period": 0, "noise.drift": 0}
+    changes |= {"activation2.frequency": 0.25, "noise.period": 0}
     changes |= {"duration": 3000 * period, "step": period / 2, "record": period}
-    run = hillobs.simulate("activation", observers=["high_gain"], changes=changes)
+    with few_observers("high_gain"):
+        run = hillobs.simulate("paper-clean", observers=["high_gain"], changes={"plant.drive": "given", **changes})
     x, y = run.x, run.y.values
     write_csv(
         folder / "clean.csv",

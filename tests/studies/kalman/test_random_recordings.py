@@ -110,7 +110,6 @@ def test_no_noise_is_added_to_a_law_that_holds() -> None:
 
 
 @pytest.mark.chaos
-@pytest.mark.xdist_group("drawn")
 @pytest.mark.parametrize("smooth", [False, True], ids=["filter", "smoother"])
 @pytest.mark.parametrize("form", ["u", "auto"])
 def test_many_are_followed_with_bands_that_hold(form: str, smooth: bool, record_property) -> None:

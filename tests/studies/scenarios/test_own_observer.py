@@ -5,6 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+import xarray as xr
 
 from documents import refusal
 from hillobs.model.block import Block, BlockError, Parameter, Symbols, symbols
@@ -72,20 +73,6 @@ def test_a_default_out_of_its_own_bounds_is_refused(default: float) -> None:
         simulate("paper-clean", [own_observer(default=default)], BRIEF)
 
 
-def test_an_observer_that_leaves_its_own_domain_is_named() -> None:
-    block = own_observer()
-    failing = replace(block, domain=Symbols(room=2.2 - block.x.x1_hat))
-    run = simulate("paper-clean", [failing], BRIEF)
-    assert json.loads(run.attrs["failures"])["mine"].startswith("mine: room, which must stay positive, is not at τ = ")
-
-
-def test_a_held_input_is_held() -> None:
-    """The same observer with y1 held over a step must not be the one that sees it move."""
-    both = [own_observer(), replace(own_observer(), name="holding", held=frozenset(["y1"]))]
-    run = simulate("paper-clean", both, {**BRIEF, "mine.gain": 200.0, "holding.gain": 200.0}).x_hat.sel(state="x1")
-    assert 0 < abs(run.sel(observer="mine") - run.sel(observer="holding")).max() < 1e-4
-
-
 def sampled(way: str) -> Block:
     """Counts samples or steps in a state n."""
     x = symbols([*ESTIMATES, "n"])
@@ -96,11 +83,36 @@ def sampled(way: str) -> Block:
     )
 
 
-def test_states_move_at_samples_and_at_steps() -> None:
-    settings_of_run = {"duration": 0.05, "score.start": 0.0, "step": 5e-4, "noise.period": 5e-3}
-    counts = simulate("paper-noisy", [sampled("next"), sampled("per_step")], settings_of_run)
-    assert counts.counter_next_n.values.tolist() == [1, 3, 5, 7, 9, 11]
-    assert counts.counter_per_step_n.values.tolist() == [1, 21, 41, 61, 81, 101]
+@pytest.fixture(scope="module")
+def several() -> xr.Dataset:
+    """A run of observers of many kinds, for which one library is enough."""
+    mine = own_observer()
+    kinds = [
+        mine,
+        replace(mine, name="holding", held=frozenset(["y1"])),
+        replace(mine, name="leaving", domain=Symbols(room=2.2 - mine.x.x1_hat)),
+        sampled("next"),
+        sampled("per_step"),
+    ]
+    gains = {"mine.gain": 200.0, "holding.gain": 200.0}
+    return simulate("paper-clean", kinds, {**BRIEF, "step": 5e-4, "noise.period": 5e-3, **gains})
+
+
+def test_an_observer_that_leaves_its_own_domain_is_named(several: xr.Dataset) -> None:
+    (failure,) = json.loads(several.attrs["failures"]).items()
+    assert failure[0] == "leaving"
+    assert failure[1].startswith("leaving: room, which must stay positive, is not at τ = ")
+
+
+def test_a_held_input_is_held(several: xr.Dataset) -> None:
+    """The same observer with y1 held over a step must not be the one that sees it move."""
+    x1 = several.x_hat.sel(state="x1")
+    assert 0 < abs(x1.sel(observer="mine") - x1.sel(observer="holding")).max() < 1e-4
+
+
+def test_states_move_at_samples_and_at_steps(several: xr.Dataset) -> None:
+    assert several.counter_next_n.values.tolist() == [1, 3, 5, 7, 9, 11]
+    assert several.counter_per_step_n.values.tolist() == [1, 21, 41, 61, 81, 101]
 
 
 def test_a_sampled_observer_without_samples_is_said() -> None:

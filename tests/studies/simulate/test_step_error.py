@@ -25,7 +25,7 @@ def rmse(scenario: str, seeds: int, **changes: float) -> Array:
     numbers = {b.name: prepared.paths.values(b, prepared.scenario.given) for b in prepared.loop.blocks}
     found = compile_loop(prepared.loop).batch(prepared.grid, range(seeds), numbers, prepared.observers)
     sums = [dict(zip(prepared.loop.score.x, found[name].sums.T, strict=True)) for name in prepared.observers]
-    each = [measures(of, prepared.grid)["rmse"] for of in sums]
+    each = [measures(of, prepared.grid, QUANTITIES)["rmse"] for of in sums]
     return np.moveaxis([[of[quantity] for quantity in QUANTITIES] for of in each], -1, 0)
 
 

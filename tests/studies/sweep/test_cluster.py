@@ -69,7 +69,7 @@ def _small_parts(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def swept(**more: Any) -> xr.Dataset:
-    return sweep("paper-noisy", OVER, seeds=8, changes=SHORT, **more)
+    return sweep("paper-noisy", OVER, seeds=8, changes=SHORT, quantities=["x2"], **more)
 
 
 @pytest.fixture(scope="module")
@@ -77,7 +77,6 @@ def here() -> xr.Dataset:
     return swept(target=PORTABLE)
 
 
-@pytest.mark.xdist_group("cluster")
 def test_a_cluster_computes_the_same_bits(two: LocalCluster, here: xr.Dataset) -> None:
     there = swept(cluster=two.scheduler_address)
     assert there.attrs["target"] == PORTABLE
@@ -85,7 +84,6 @@ def test_a_cluster_computes_the_same_bits(two: LocalCluster, here: xr.Dataset) -
     np.testing.assert_allclose(swept().rmse, there.rmse, rtol=1e-10)
 
 
-@pytest.mark.xdist_group("cluster")
 def test_the_parts_of_a_killed_worker_are_done_again(two: LocalCluster, here: xr.Dataset, tmp_path: Path) -> None:
     killed: list[int] = []
 
@@ -99,7 +97,6 @@ def test_the_parts_of_a_killed_worker_are_done_again(two: LocalCluster, here: xr
     xr.testing.assert_equal(here, there)
 
 
-@pytest.mark.xdist_group("cluster")
 def test_a_part_that_kills_workers_is_named_and_the_others_kept(
     two: LocalCluster, here: xr.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -123,9 +120,9 @@ def test_a_part_that_kills_workers_is_named_and_the_others_kept(
 
 
 def test_workers_that_die_after_they_have_finished_cost_no_part(
-    two: LocalCluster, here: xr.Dataset, monkeypatch: pytest.MonkeyPatch
+    here: xr.Dataset, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Their rows are lost before anyone has fetched them."""
+    """Their rows are lost before anyone has fetched them; in a cluster of its own, in which none has died before."""
     batch, dead = clusters._Crew._batch, []
 
     def die_first(crew: Any) -> list[Any]:
@@ -141,7 +138,8 @@ def test_workers_that_die_after_they_have_finished_cost_no_part(
         return futures
 
     monkeypatch.setattr(clusters._Crew, "_batch", die_first)
-    xr.testing.assert_equal(here, swept(cluster=two.scheduler_address))
+    with started(2) as cluster:
+        xr.testing.assert_equal(here, swept(cluster=cluster.scheduler_address))
     assert dead
 
 
@@ -246,7 +244,7 @@ def test_open_ports_are_warned_of() -> None:
 def test_a_command_on_a_local_cluster_ends_with_its_workers_and_goes_on(
     command: Callable[..., tuple[int, str, str]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    told = ["sweep", "paper-noisy", "--no-figures", "--set", "duration=2"]
+    told = ["sweep", "paper-noisy", "--no-figures", "--set", "duration=2", "--quantity", "x2"]
     told += ["--over", "high_gain.eps_h=log:0.02:0.5:40", "--seeds", "64", "--out"]
     on = [sys.executable, "-m", "hillobs", *told, "cut.nc", "--cluster", "local", "--workers", "1"]
     mine = {**os.environ, "HILLOBS_TEST": str(tmp_path)}
@@ -285,7 +283,7 @@ def test_a_local_cluster_listens_on_loopback_only(tmp_path: Path, monkeypatch: p
     """Scheduler and workers, with all they start: no port is open to other machines."""
     monkeypatch.setenv("HILLOBS_TEST", str(tmp_path))
     with on_cluster("local", 2) as compute:
-        checked = plan("paper-noisy", OVER, 8, "high_gain", SHORT)
+        checked = plan("paper-noisy", OVER, 8, "high_gain", SHORT, quantities=["x2"])
         computed = compute(checked, compile_loop(checked.prepared.loop, PORTABLE), range(checked.parts))
         for _ in range(3):
             next(computed)
