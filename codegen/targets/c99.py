@@ -42,10 +42,6 @@ _MATHEMATICS = frozenset(
     }
     | {"fabs", "floor", "fmax", "fmin", "fmod", "hypot", "log", "log1p", "pow", "sin", "sinh", "sqrt", "tan", "tanh"}
 )
-# a float constant is a double that becomes one where it is assigned
-_FLOAT_PRAGMA = """/* CasADi writes constants as doubles, which become floats where they are assigned */
-#pragma GCC diagnostic ignored "-Wfloat-conversion"
-"""
 
 
 def file_names(name: str) -> tuple[str, ...]:
@@ -100,7 +96,6 @@ def c_files(manifest: Manifest, real: str = DOUBLE) -> dict[str, str]:
         "defaults": "\n".join(defaults),
         "advance": _filled("advance.c", common) if manifest.substeps else "",
         "mathematics": "".join(_of_floats(code)) if real == FLOAT else "",
-        "pragmas": _FLOAT_PRAGMA if real == FLOAT else "",
     }
     program = {
         "column_strings": ", ".join(f'"{column}"' for column in manifest.columns),

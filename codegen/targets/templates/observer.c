@@ -10,7 +10,12 @@ $mathematics
 /* CasADi gives all functions the same arguments, and describes them by others that nobody calls here */
 #pragma GCC diagnostic ignored "-Wunused-parameter"
 #pragma GCC diagnostic ignored "-Wunused-function"
-$pragmas#endif
+/* and constants as doubles, which become floats where they are assigned, and conditions as numbers */
+#pragma GCC diagnostic ignored "-Wfloat-conversion"
+#ifdef __clang__
+#pragma GCC diagnostic ignored "-Wimplicit-float-conversion"
+#endif
+#endif
 
 $code
 
