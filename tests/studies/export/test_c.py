@@ -26,6 +26,7 @@ from exported_programs import (
 from hillobs.model.curves import SIMULATED
 from hillobs.observers import OBSERVERS
 from hillobs.studies.estimate.run import estimate
+from hillobs.studies.laboratory.subject import subject_of
 from places import RECORDINGS
 
 pytestmark = needs_cc
@@ -56,6 +57,21 @@ def test_every_observer_with_all_curves_estimates_what_the_follower_does(
             program = built(folder, observer, "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
             theirs = estimates(program, "y1,y2,y3", y)
             assert_same(theirs, followed(bank, observer, scenario, changes, y, steps), single)
+
+
+@pytest.mark.chaos
+def test_of_a_mechanism_too_it_takes_and_tells_si_as_estimate_does(tmp_path: Path) -> None:
+    subject = subject_of(RECORDINGS / "arm.toml")
+    told = estimate(RECORDINGS / "arm_noisy.csv.gz", subject, "high_gain_3")
+    gains = json.loads(told.attrs["gains"])["high_gain_3"]
+    saved(tmp_path, "high_gain_3", period=float(told.attrs["period"]), muscles=subject, changes=gains)
+    rows = np.column_stack([told.position, told.force])
+    theirs = estimates(built(tmp_path, "high_gain_3"), ",".join(subject.columns.required), rows)
+    of = told.sel(observer="high_gain_3")
+    columns = {f"{muscle}_a_hat": of.activation_hat.sel(muscle=muscle) for muscle in subject.muscles}
+    columns |= {f"{joint}_dq_hat": of.velocity_hat.sel(joint=joint) for joint in subject.joints}
+    for name, ours in columns.items():
+        np.testing.assert_allclose(theirs[name], ours, rtol=0, atol=1e-9 * np.abs(ours).max(), err_msg=name)
 
 
 def symbols_of(object_file: Path) -> dict[str, str]:

@@ -82,6 +82,17 @@ def test_a_filter_that_asks_how_long_ago_the_last_sample_was_needs_no_clock() ->
     assert not {"t", "last.t"} & {member.name for member in made.state}
 
 
+def test_an_observer_that_asks_for_the_sampling_period_is_told_it_unless_it_is_given_by_hand() -> None:
+    subject = subject_of(RECORDINGS / "dgf_smooth.toml")
+    for expected, asked in (
+        (0.01, {"period": 0.01}),
+        (0.01 * subject.scales.rate, {"period": 0.01, "muscles": subject}),
+        (0.02, {"period": 0.01, "changes": {"kalman_constant.T": 0.02}}),
+    ):
+        made = exported("kalman_constant", **asked)
+        assert dict(zip((member.name for member in made.params), made.defaults, strict=True))["T"] == expected
+
+
 # x + (a + b) and (x + a) + b, where floats of seven digits keep a
 def test_sums_that_begin_with_a_state_add_it_last() -> None:
     x, a = ca.SX.sym("x", 2), ca.SX.sym("a", 3)
