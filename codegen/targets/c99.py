@@ -16,37 +16,18 @@ import casadi as ca
 from ...model.block import BlockError
 from .manifest import Manifest, Member
 
-_TEMPLATES = "hillobs.codegen.targets.templates"
-# words that C and C++ keep for themselves, and macros of their libraries: no struct may have them as members
-_TAKEN = frozenset((resources.files(_TEMPLATES) / "taken.txt").read_text(encoding="utf-8").split())
 DOUBLE, FLOAT = "double", "float"
-# that tell two numbers apart
-_DIGITS = {DOUBLE: 17, FLOAT: 9}
+
+_TEMPLATES = resources.files("hillobs.codegen.targets.templates")
+# words that C and C++ keep for themselves, and macros of their libraries: no struct may have them as members
+_TAKEN = frozenset((_TEMPLATES / "taken.txt").read_text(encoding="utf-8").split())
 # functions that CasADi calls, by their names for doubles
-_MATHEMATICS = frozenset(
-    {
-        "acos",
-        "acosh",
-        "asin",
-        "asinh",
-        "atan",
-        "atan2",
-        "atanh",
-        "ceil",
-        "copysign",
-        "cos",
-        "cosh",
-        "erf",
-        "exp",
-        "expm1",
-    }
-    | {"fabs", "floor", "fmax", "fmin", "fmod", "hypot", "log", "log1p", "pow", "sin", "sinh", "sqrt", "tan", "tanh"}
-)
+_MATHEMATICS = frozenset((_TEMPLATES / "mathematics.txt").read_text(encoding="utf-8").split())
+# digits that tell two numbers apart
+_DIGITS = {DOUBLE: 17, FLOAT: 9}
+_GROUPS = ("state", "params", "input", "estimate")
 
-
-def file_names(name: str) -> tuple[str, ...]:
-    """The files of an observer of this name."""
-    return f"{name}.h", f"{name}.c", "main.c", "CMakeLists.txt", "README.md"
+Words = Mapping[str, str]
 
 
 def c_files(manifest: Manifest, real: str = DOUBLE) -> dict[str, str]:
@@ -54,74 +35,16 @@ def c_files(manifest: Manifest, real: str = DOUBLE) -> dict[str, str]:
 
     real: the type of all numbers.
     """
-    prefix = c_prefix(manifest.name)
-    code = _casadi([*manifest.functions.values()], prefix, real)
-    groups = {
-        group: _identifiers(manifest.name, getattr(manifest, group))
-        for group in ("state", "params", "input", "estimate")
+    name, code = manifest.name, _casadi([*manifest.functions.values()], manifest.prefix, real)
+    names = {group: _identifiers(name, getattr(manifest, group)) for group in _GROUPS}
+    common = _common(manifest, names, code, real)
+    return {
+        f"{name}.h": _filled("observer.h", common, _header(manifest, names, real)),
+        f"{name}.c": _filled("observer.c", common, _source(manifest, names, code, real)),
+        "main.c": _filled("main.c", common, _program(manifest, names, real)),
+        "CMakeLists.txt": _filled("CMakeLists.txt", common),
+        "README.md": _filled("README.md", common, _page(manifest, names)),
     }
-    sizes = {f"n_{group}": str(len(names)) for group, names in groups.items()}
-    sizes |= {
-        "n_arg": str(max(f.sz_arg() for f in manifest.functions.values())),
-        "n_motion": str(manifest.functions["depart"].numel_out(0)),
-        "n_res": str(max(f.sz_res() for f in manifest.functions.values())),
-    }
-    common = {
-        **sizes,
-        "name": manifest.name,
-        "prefix": prefix,
-        "PREFIX": prefix.upper(),
-        "label": _text(manifest.label),
-        "title": f"{_text(manifest.label)}: {_text(manifest.sentence)}",
-        "sentence": _text(manifest.sentence),
-        "units_sentence": manifest.units,
-        "version": manifest.version,
-        "graph": f"sha256:{hashlib.sha256(code.encode()).hexdigest()}",
-        "real": real,
-        "period": f"{manifest.period:g} {manifest.time_unit}".rstrip(),
-        "substeps": str(manifest.substeps),
-        "columns": ", ".join(manifest.columns),
-    }
-    header = {group: "\n".join(_members(getattr(manifest, group), names, prefix)) for group, names in groups.items()}
-    defaults = [
-        f"    {_number(manifest.name, member.name, value, real)}, /* {name} */"
-        for member, name, value in zip(manifest.params, groups["params"], manifest.defaults, strict=True)
-    ]
-    period = {
-        "period_literal": _number(manifest.name, "the period", manifest.period, real),
-        "period_sentence": _time(manifest.time_unit),
-    }
-    source = {
-        "code": code,
-        "defaults": "\n".join(defaults),
-        "advance": _filled("advance.c", common) if manifest.substeps else "",
-        "mathematics": "".join(_of_floats(code)) if real == FLOAT else "",
-    }
-    program = {
-        "column_strings": ", ".join(f'"{column}"' for column in manifest.columns),
-        "header": ",".join(groups["estimate"]),
-        "read": "\n".join(
-            f"    input->{name} = ({prefix}_real)numbers[{i}];" for i, name in enumerate(groups["input"])
-        ),
-        "print": "\n".join(
-            f'        printf("%.{_DIGITS[real]}g,", (double)estimate.{name});' for name in groups["estimate"]
-        ),
-    }
-    page = {"input_members": "`, `".join(groups["input"]), "steps_sentence": _steps(manifest.substeps)}
-    page["Sentence"] = common["sentence"][:1].upper() + common["sentence"][1:]
-    texts = (
-        _filled("observer.h", {**common, **header, **period}),
-        _filled("observer.c", {**common, **source}),
-        _filled("main.c", {**common, **program}),
-        _filled("CMakeLists.txt", common),
-        _filled("README.md", {**common, **page}),
-    )
-    return dict(zip(file_names(manifest.name), texts, strict=True))
-
-
-def c_prefix(name: str) -> str:
-    """What all symbols of an observer of this name begin with."""
-    return f"hillobs_{name}"
 
 
 def _casadi(functions: Sequence[ca.Function], prefix: str, real: str) -> str:
@@ -141,8 +64,69 @@ def _of_floats(code: str) -> Iterator[str]:
         yield f"#define {name} {name}f\n"
 
 
-def _filled(template: str, words: Mapping[str, str]) -> str:
-    return Template((resources.files(_TEMPLATES) / template).read_text(encoding="utf-8")).substitute(words)
+def _common(manifest: Manifest, names: Mapping[str, Sequence[str]], code: str, real: str) -> Words:
+    """What several files say."""
+    functions, prefix = manifest.functions.values(), manifest.prefix
+    return {
+        **{f"n_{group}": str(len(members)) for group, members in names.items()},
+        "n_arg": str(max(f.sz_arg() for f in functions)),
+        "n_res": str(max(f.sz_res() for f in functions)),
+        "n_motion": str(manifest.functions["depart"].numel_out(0)),
+        "name": manifest.name,
+        "prefix": prefix,
+        "PREFIX": prefix.upper(),
+        "label": _text(manifest.label),
+        "sentence": _text(manifest.sentence),
+        "version": manifest.version,
+        "graph": f"sha256:{hashlib.sha256(code.encode()).hexdigest()}",
+        "real": real,
+        "period": f"{manifest.period:g} {manifest.time_unit}".rstrip(),
+        "substeps": str(manifest.substeps),
+        "columns": ", ".join(manifest.columns),
+    }
+
+
+def _header(manifest: Manifest, names: Mapping[str, Sequence[str]], real: str) -> Words:
+    prefix = manifest.prefix
+    return {
+        **{group: "\n".join(_members(getattr(manifest, group), of, prefix)) for group, of in names.items()},
+        "period_literal": _number(manifest.name, "the period", manifest.period, real),
+        "period_unit": manifest.time_unit or "the paper's time τ = v_max t",
+    }
+
+
+def _source(manifest: Manifest, names: Mapping[str, Sequence[str]], code: str, real: str) -> Words:
+    values = zip(manifest.params, names["params"], manifest.defaults, strict=True)
+    literals = ((name, _number(manifest.name, member.name, value, real)) for member, name, value in values)
+    return {
+        "code": code,
+        "defaults": "\n".join(f"    {literal}, /* {name} */" for name, literal in literals),
+        "advance": _filled("advance.c", _common(manifest, names, code, real)) if manifest.substeps else "",
+        "mathematics": "".join(_of_floats(code)) if real == FLOAT else "",
+    }
+
+
+def _program(manifest: Manifest, names: Mapping[str, Sequence[str]], real: str) -> Words:
+    read = f"    input->{{}} = ({manifest.prefix}_real)numbers[{{}}];"
+    printed = f'        printf("%.{_DIGITS[real]}g,", (double)estimate.{{}});'
+    return {
+        "column_strings": ", ".join(f'"{column}"' for column in manifest.columns),
+        "header": ",".join(names["estimate"]),
+        "read": "\n".join(read.format(name, i) for i, name in enumerate(names["input"])),
+        "print": "\n".join(map(printed.format, names["estimate"])),
+    }
+
+
+def _page(manifest: Manifest, names: Mapping[str, Sequence[str]]) -> Words:
+    return {
+        "units_sentence": manifest.units,
+        "input_members": "`, `".join(names["input"]),
+        "steps_sentence": _steps(manifest.substeps),
+    }
+
+
+def _filled(template: str, *words: Words) -> str:
+    return Template((_TEMPLATES / template).read_text(encoding="utf-8")).substitute(*words[:1], **dict(*words[1:]))
 
 
 def _identifiers(observer: str, members: Sequence[Member]) -> list[str]:
@@ -182,10 +166,6 @@ def _text(words: str) -> str:
     """Words of others on one line of a comment, which they do not end."""
     line = "".join(c if c.isprintable() else " " for c in words)
     return re.sub(r"\*(?=/)|/(?=\*)", lambda mark: f"{mark[0]} ", line)
-
-
-def _time(unit: str) -> str:
-    return f"from sample to sample, in {unit}" if unit else "from sample to sample, in the paper's time τ = v_max t"
 
 
 def _steps(substeps: int) -> str:

@@ -22,10 +22,11 @@ class Member:
 class Manifest:
     """An observer to be written for a target; all arrays in the order of its functions, those of `Follower`.
 
-    columns: what tables call each input. period: in `time_unit`.
+    prefix: what the names of all functions begin with. columns: what tables call each input. period: in `time_unit`.
     """
 
     name: str
+    prefix: str
     label: str
     sentence: str
     version: str

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import itertools
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from ...codegen.bank import Bank
-from ...codegen.targets.follower import TIME, Clock, follower
-from ...codegen.targets.manifest import Manifest, Member
-from ...model.block import Block, Parameter
+from ...codegen.targets.follower import Clock, follower
+from ...codegen.targets.manifest import Manifest
+from ...model.block import Block
 from ...model.curves.tendon import tendon
 from ...model.limits import STABLE
-from ...model.symbols import SIGNALS, hat, signal_of
 from ...model.system import System
 from ...observers import Observer, estimator_of
 from ...observers.tendons import tendons
@@ -33,6 +30,7 @@ from ..scenarios.observers import observers_named
 from ..scenarios.paths import paths_of
 from ..scenarios.prepare import prepare
 from ..scenarios.scenario import checked_number
+from . import members
 
 _ON_PAPER = (
     "All is in the paper's units: lengths over the optimal fibre length of muscle 1, forces over its largest force, "
@@ -42,10 +40,6 @@ _IN_SI = (
     "What is measured and estimated is in SI. The state and the parameters are in the paper's units: lengths over the "
     "optimal fibre length of the first muscle, forces over its largest force, time τ = v_max t."
 )
-# by what they are: powers of length, velocity in lengths per unit of time, …, of muscles
-_OF_MUSCLE = {"L_S": 0, "L_C": 0, "u": 1}
-_OF_JOINT = {"q": 0, "dq": 1, "Delta": 2}
-_PER_TIME = ("", "/s", "/s2")
 
 
 @dataclass(frozen=True)
@@ -92,25 +86,24 @@ def exported(
         values[chosen.period] = T
     n = _steps(name, chosen, found, values, T, steps)
     block = begun(found.block, system)
-    units = _units(system, scales) if scales else {}
+    units = members.units(system, scales) if scales else {}
     bank = Bank(system.measured, tendons(system), None, (block,))
-    made = follower(bank, Clock(T, n, {signal: size for signal, (size, _) in units.items()}), f"hillobs_{name}")
+    clock, prefix = Clock(T, n, {signal: size for signal, (size, _) in units.items()}), f"hillobs_{name}"
+    made = follower(bank, clock, prefix)
     return Manifest(
         name=name,
+        prefix=prefix,
         label=chosen.label,
-        sentence=_sentence(system),
+        sentence=members.sentence_of(system),
         version=__version__,
         period=float(period),
         time_unit="s" if scales else "",
         substeps=n,
         units=_IN_SI if scales else _ON_PAPER,
-        state=[Member(signal, "1", _said(signal, system, f"inner state {signal}")) for signal in made.states],
-        params=[_parameter(key, parameter) for key, parameter in made.block.parameters.items()],
-        input=[Member(signal, _unit(signal, units), _said(signal, system)) for signal in made.inputs],
-        estimate=[
-            Member(signal, _unit(signal, units), _said(signal, system, f"1 while the limit {signal} is active, else 0"))
-            for signal in made.estimates
-        ],
+        state=members.states(made.states, system),
+        params=members.numbers(made.block.parameters),
+        input=members.inputs(made.inputs, system, units),
+        estimate=members.estimates(made.estimates, system, units),
         defaults=[values[key] for key in made.block.p],
         columns=found.columns,
         functions=made.functions,
@@ -187,54 +180,3 @@ def _midway(system: System, values: Mapping[str, float]) -> dict[str, float]:
         here = tendon(system.curves[muscle], muscle, values)
         at |= {force: here.toe_force, length: here.edges[1]}
     return at
-
-
-def _units(system: System, scales: Scales) -> dict[str, tuple[float, str]]:
-    """Name of each measurement and estimate → its unit in SI, as a number and as a word."""
-    units = dict.fromkeys(system.muscle("y"), (scales.force, "N"))
-    units |= dict.fromkeys(system.muscle("z"), (scales.length, "m"))
-    of_muscle = dict.fromkeys(system.muscles, (scales.length, "m"))
-    lengths = [
-        (size, "m" if slides else "rad") for size, slides in zip(scales.coordinates, scales.sliding, strict=True)
-    ]
-    of_joint = dict(zip(system.joints, lengths, strict=True))
-    units |= {system.name("y", joint): unit for joint, unit in of_joint.items()}
-    for orders, owners in ((_OF_JOINT, of_joint), (_OF_MUSCLE, of_muscle)):
-        for (signal, order), (owner, (size, word)) in itertools.product(orders.items(), owners.items()):
-            unit = (float(size) * scales.rate**order, word + _PER_TIME[order])
-            name = system.name(signal, owner)
-            units |= {hat(name): unit, f"{name}_sd": unit}
-    return units
-
-
-def _unit(signal: str, units: Mapping[str, tuple[float, str]]) -> str:
-    return units[signal][1] if signal in units else "1"
-
-
-def _parameter(name: str, parameter: Parameter) -> Member:
-    bounds = (
-        (parameter.above > -math.inf, f"> {parameter.above:g}"),
-        (parameter.least > -math.inf, f"≥ {parameter.least:g}"),
-        (parameter.below < math.inf, f"< {parameter.below:g}"),
-        (parameter.most < math.inf, f"≤ {parameter.most:g}"),
-        (parameter.whole, "whole"),
-    )
-    return Member(name, parameter.unit, parameter.sentence, ", ".join(words for given, words in bounds if given))
-
-
-def _said(name: str, system: System, otherwise: str = "") -> str:
-    """What a state, measurement or estimate is; `otherwise` if no table knows it."""
-    known = {hat(quantity): f"estimate: {signal_of(quantity).sentence}" for quantity in system.quantities}
-    known |= {f"{quantity}_sd": f"standard deviation: {signal_of(quantity).sentence}" for quantity in system.quantities}
-    known |= {f"{length}_sd": "standard deviation: fibre length" for length in system.muscle("L_C")}
-    known |= {name: signal_of(name).sentence for name in (*system.measured, *SIGNALS)}
-    known |= {length: f"tendon length that {force} tells" for length, force in system.tendons.items()}
-    known |= {TIME: "time since the first sample"}
-    return known.get(name, otherwise)
-
-
-def _sentence(system: System) -> str:
-    if system.paper:
-        return "estimates of a mass between two muscles, from its position and both tendon forces"
-    joints, muscles = ", ".join(system.joints), ", ".join(system.muscles)
-    return f"estimates of joints ({joints}) and muscles ({muscles}), from positions and tendon forces"

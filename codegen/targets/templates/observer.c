@@ -1,4 +1,4 @@
-/* $title: see $name.h. The functions are CasADi's, unchanged; the few lines behind them call these. */
+/* $label: see $name.h. The functions are CasADi's, unchanged; the few lines behind them call these. */
 #include "$name.h"
 
 #include <math.h>

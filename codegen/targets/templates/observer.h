@@ -1,4 +1,4 @@
-/* $title
+/* $label: $sentence
  *
  * Written by hillobs $version. Samples come every $period; all numbers are $real.
  * Nothing here allocates memory or keeps any: the caller owns every struct, and one state is one observer.
@@ -13,7 +13,7 @@ extern "C" {
 #define ${PREFIX}_VERSION "$version"
 /* of the equations, with the period and the units: what has the same computes the same */
 #define ${PREFIX}_GRAPH "$graph"
-/* $period_sentence */
+/* from sample to sample, in $period_unit */
 #define ${PREFIX}_PERIOD $period_literal
 /* RK4 steps from sample to sample; 0 if it moves at samples only */
 #define ${PREFIX}_SUBSTEPS $substeps
