@@ -53,7 +53,8 @@ def inputs(names: Iterable[str], system: System, units: Units) -> list[Member]:
 def estimates(names: Iterable[str], system: System, units: Units) -> list[Member]:
     """Members for what is estimated, and for guards."""
     said = {name: _said(name, system, f"1 while the limit {name} is active, else 0") for name in names}
-    return [Member(name, units.get(name, _NO_UNIT)[1], sentence) for name, sentence in said.items()]
+    bounds = dict.fromkeys(map(hat, system.muscle("a")), "≥ 0, ≤ 1")
+    return [Member(name, units.get(name, _NO_UNIT)[1], said[name], bounds.get(name, "")) for name in said]
 
 
 def numbers(parameters: Parameters) -> list[Member]:
