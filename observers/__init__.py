@@ -17,7 +17,7 @@ from ..model.wiring import rename, wire
 from .adaptive_sliding_mode import ADAPTIVE_SLIDING_MODE
 from .baseline import baseline
 from .behind.activation import activation_estimate
-from .behind.spread import COVARIANCES, SPREADS, spread
+from .behind.spread import covariances, spread, spreads
 from .high_gain import HIGH_GAIN
 from .high_gain_3 import HIGH_GAIN_3
 from .kalman.constant import KALMAN_CONSTANT
@@ -70,7 +70,7 @@ def estimator(observer: Block, system: System = THE_PAIR, activations: bool = Tr
     wired = wire(observer.name, [*front, observer, *behind], connections, external)
     names = [*wired.x, *wired.y, *wired.p, *wired.guards, *wired.domain]
     told = [key.partition(".")[2] for key in wired.y]
-    beside = [*map(hat, system.muscle("a")), *SPREADS] if activations else []
+    beside = [*map(hat, system.muscle("a")), *spreads(system)] if activations else []
     outputs = [*system.estimates, *(name for name in beside if name in told)]
     whole = rename(wired, observer.name, {key: key.partition(".")[2] for key in names}, outputs)
     # its own numbers of the tendons that tell it lengths, and of the domain that its estimates lie in
@@ -101,7 +101,7 @@ def _behind(observer: Block, system: System) -> list[Block]:
         raise BlockError(f"{observer.name}: it estimates {estimated[0]}, so it must estimate {other} as well")
     if estimated:
         return []
-    sure = all(name in observer.y for name in COVARIANCES)
+    sure = all(name in observer.y for name in covariances(system))
     return [activation_estimate(system), *([spread(system)] if sure else [])]
 
 

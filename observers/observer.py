@@ -113,6 +113,7 @@ class Observer:
     limit: float = STABLE  # largest h · rate of an RK4 step
     period: str = ""  # its number that is the sampling period, if it has one
     fitted: bool = False  # a recording is passed as a whole, to find its numbers by likelihood and to smooth
+    apart: Callable[[System], Block] | None = None  # of other systems, what follows from its filters over a recording
 
     def block(self, corrected: bool = False, system: System = PAIR) -> Block:
         """The observer of a system, its layers, if it has any, `corrected` or not.
@@ -122,7 +123,10 @@ class Observer:
         if self.chains:
             return chained(self.chains(corrected), system)
         if self.whole is None or not system.paper:
-            raise BlockError(f"{self.label} is an observer of a mass between two muscles; it is not made of chains")
+            beside = "; of a mechanism it follows recordings, and no runs" if self.apart else ""
+            raise BlockError(
+                f"{self.label} is an observer of a mass between two muscles; it is not made of chains{beside}"
+            )
         return self.whole()
 
     def gains_of(self, system: System, sizes: SystemSizes, T: float) -> dict[str, float]:

@@ -26,11 +26,12 @@ LIMITS: Parameters = {
 class Formula:
     """The activation â of a muscle as an expression of `drive`, a symbol for û_j, which is to be within its limits.
 
-    speed: the largest û_j of the muscle.
+    L_C: the length of its fibres; speed: the largest û_j of the muscle.
     """
 
     muscle: str
     a: ca.SX
+    L_C: ca.SX
     drive: ca.SX
     low: ca.SX
     high: ca.SX
@@ -55,7 +56,8 @@ def formulas(system: System, u: Symbols, p: Symbols) -> Iterator[Formula]:
         curve, numbers, drive = system.curves[muscle], p.part(muscle), ca.SX.sym("drive")
         L_S, speed = u[hat(system.name("L_S", muscle))], curve.speed(numbers)
         low, high = p.u_low * speed, p.u_high * speed
-        yield Formula(muscle, activation(curve, L_S, L_m, drive, numbers), drive, low, high, speed)
+        a, (_, L_C, _) = activation(curve, L_S, L_m, drive, numbers), along_fibres(ca.SX(0), L_m, L_S, drive, numbers)
+        yield Formula(muscle, a, L_C, drive, low, high, speed)
 
 
 def activation_estimate(system: System = PAIR) -> Block:

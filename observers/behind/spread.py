@@ -8,14 +8,9 @@ import casadi as ca
 
 from ...model.block import Block, Symbols, symbols
 from ...model.dialect import clamp
-from ...model.symbols import QUANTITIES
+from ...model.symbols import hat
 from ...model.system import PAIR, System
-from ..ports import ESTIMATES
 from .activation import activation_parameters, formulas
-
-# what the activation and the fibre length of each muscle follow from
-_OF_MUSCLE = {1: ("x1", "x3", "u1"), 2: ("x1", "x4", "u2")}
-_ALONE = tuple(name.removesuffix("_hat") for name in ESTIMATES)
 
 
 def entry(a: str, b: str) -> str:
@@ -23,35 +18,52 @@ def entry(a: str, b: str) -> str:
     return f"P.{a}.{b}"
 
 
-# outputs of an observer that knows how sure it is, beside its estimates
-COVARIANCES = (
-    *(entry(name, name) for name in _ALONE),
-    *(entry(a, b) for of in _OF_MUSCLE.values() for a, b in itertools.combinations(of, 2)),
-)
-
-
 def sd(name: str) -> str:
     """The name of the standard deviation of the estimate of `name`."""
     return f"{name}_sd"
 
 
-FIBRES = ("L_C1", "L_C2")
-SPREADS = tuple(sd(name) for name in (*QUANTITIES, *FIBRES))
+def _estimated(system: System) -> list[str]:
+    return [name.removesuffix("_hat") for name in system.estimates]
+
+
+def of_muscle(system: System, muscle: str) -> tuple[str, ...]:
+    """What the activation and the fibre length of a muscle follow from."""
+    return (*system.joint("q"), system.name("L_S", muscle), system.name("u", muscle))
+
+
+def covariances(system: System) -> tuple[str, ...]:
+    """Outputs of an observer that knows how sure it is, beside its estimates."""
+    alone = (entry(name, name) for name in _estimated(system))
+    together = (
+        entry(a, b) for muscle in system.muscles for a, b in itertools.combinations(of_muscle(system, muscle), 2)
+    )
+    return tuple(dict.fromkeys((*alone, *together)))
+
+
+def spreads(system: System) -> tuple[str, ...]:
+    """The standard deviations of all that is estimated, and of the fibre lengths."""
+    return tuple(sd(name) for name in (*system.quantities, *system.muscle("L_C")))
+
+
+# of the pair
+COVARIANCES, SPREADS = covariances(PAIR), spreads(PAIR)
 
 
 def spread(system: System = PAIR) -> Block:
-    """Inputs: the estimates and the COVARIANCES of a pair; outputs: the SPREADS."""
-    u, parameters = symbols([*ESTIMATES, *COVARIANCES]), activation_parameters(system)
+    """Inputs: the estimates and their `covariances`; outputs: the `spreads`."""
+    u, parameters = symbols([*system.estimates, *covariances(system)]), activation_parameters(system)
     p = symbols(parameters)
-    variance = {name: u[entry(name, name)] for name in _ALONE}
-    for (j, of), f in zip(_OF_MUSCLE.items(), formulas(system, u, p), strict=True):
+    variance = {name: u[entry(name, name)] for name in _estimated(system)}
+    for f in formulas(system, u, p):
+        a, L_C, u_hat = (system.name(signal, f.muscle) for signal in ("a", "L_C", "u"))
+        of = of_muscle(system, f.muscle)
         P = ca.vertcat(*(ca.horzcat(*(u[entry(*sorted((a, b), key=of.index))] for b in of)) for a in of))
-        # L_Cj = ±x₁ − x_{j+2} + …
-        J_L = ca.SX([[1 if j == 1 else -1, -1, 0]])
-        # σ² = J P Jᵀ,  J = ∂â/∂(x̂₁, x̂_{j+2}, û_j)
-        J = ca.jacobian(f.a, ca.vertcat(u.x1_hat, u[f"x{j + 2}_hat"], f.drive))
-        J = ca.substitute(J, f.drive, clamp(u[f"u{j}_hat"], f.low, f.high))
-        variance |= {f"a{j}": J @ P @ J.T, f"L_C{j}": J_L @ P @ J_L.T}
+        # σ² = J P Jᵀ,  J = ∂(â, L̂_C)/∂(q̂, L̂_S, û)
+        about = ca.vertcat(*(u[hat(name)] for name in of[:-1]), f.drive)
+        for name, value in ((a, f.a), (L_C, f.L_C)):
+            J = ca.substitute(ca.jacobian(value, about), f.drive, clamp(u[hat(u_hat)], f.low, f.high))
+            variance[name] = J @ P @ J.T
     # rounding can leave a variance that is 0 a little below it
-    y = Symbols({sd(name): ca.sqrt(ca.fmax(variance[name], 0)) for name in (*QUANTITIES, *FIBRES)})
+    y = Symbols({name: ca.sqrt(ca.fmax(variance[name.removesuffix("_sd")], 0)) for name in spreads(system)})
     return Block("spread", u=u, p=p, parameters=parameters, y=y)

@@ -38,7 +38,7 @@ LINE = tuple(f"{name}_{j}" for j in _LAW for name in ("u", *(f"b_{of}" for of in
 ABOUT = tuple(hat(name) for name in ("x1", "x3", "x4", "a1", "a2"))
 
 # velocities about which the law is linear, in the largest; slopes ∂a/∂u below this are taken for it
-_SLOWEST, _FASTEST, _LEAST_SLOPE = -1.5, 0.9, 0.02
+SLOWEST, FASTEST, LEAST_SLOPE = -1.5, 0.9, 0.02
 
 # what the line through Hill's law leaves: nothing, where that holds
 OF_LAW = ("s_x3", "s_x4")
@@ -70,11 +70,11 @@ def linear_law(system: System = PAIR) -> Block:
     u, parameters = symbols(ESTIMATES), activation_parameters(system)
     p, y, activations = symbols(parameters), Symbols(), Symbols()
     for j, f in enumerate(formulas(system, u, p), start=1):
-        drive = clamp(u[f"u{j}_hat"], _SLOWEST * f.speed, _FASTEST * f.speed)
+        drive = clamp(u[f"u{j}_hat"], SLOWEST * f.speed, FASTEST * f.speed)
         states = ca.vertcat(u.x1_hat, u[f"x{j + 2}_hat"])
         slopes = ca.substitute(ca.jacobian(f.a, ca.vertcat(states, f.drive)), f.drive, drive)
         # u − û = b (x − x̂, a − â),  b = (−∂a/∂x, 1)/(∂a/∂u)
-        steepness = ca.fmax(slopes[2], _LEAST_SLOPE)
+        steepness = ca.fmax(slopes[2], LEAST_SLOPE)
         values = (drive, -slopes[0] / steepness, -slopes[1] / steepness, 1 / steepness)
         y |= dict(zip((name for name in LINE if name.endswith(str(j))), values, strict=True))
         activations[f"a{j}_hat"] = ca.substitute(f.a, f.drive, drive)
@@ -114,7 +114,7 @@ def _move(was: Symbols, now: Symbols, p: Symbols) -> Move:
         for before, after in itertools.pairwise(chain):
             A[_INDEX[before], _INDEX[after]] = 1
     F, b = driven(A, ends[0], ends[1], T)
-    return Move([F], b, T)
+    return Move([F], b, T, ca.SX(_N, 1))
 
 
 def _start(now: Symbols, p: Symbols) -> tuple[ca.SX, ca.SX]:

@@ -1,4 +1,4 @@
-"""What both models of the Kalman filter share: chains of integrators, their start, and the measured acceleration."""
+"""What the models of the Kalman filter share: chains of integrators, their start, and the measured acceleration."""
 
 from __future__ import annotations
 
@@ -29,7 +29,8 @@ def start(
     mean, variance = ca.SX(len(index), 1), ca.SX(len(index), 1)
     for measurement in measurements:
         mean[measurement.i], variance[measurement.i] = measurement.value, p.start_sigma**2 * measurement.R
-    variance[index["x2"]] = p.start_x2**2
+    if "x2" in index:
+        variance[index["x2"]] = p.start_x2**2
     for (names, order), sd in chains:
         for i, name in enumerate(names):
             variance[index[name]] = (sd * p.start_rate**i) ** 2 * (order > i)

@@ -9,6 +9,7 @@ from ...model.skeleton.load import pull
 from ..observer import Observer, no_rates
 from ..ports import SENSED
 from ..slopes import SLOPES
+from .apart.estimates import estimates_apart
 from .inputs import INPUTS_MODEL as MODEL
 from .parameters import gains
 from .states import ENTRIES, MEAN, covariance, scalars
@@ -28,7 +29,7 @@ def kalman() -> Block:
     # acc = R y/m
     now = Symbols({**u, "acc": pull((u.y2, u.y3)) / p.m})
     move = MODEL.move(last.part("last"), now, p)
-    x, P = move.mean(mean.vector()), predicted(covariance(entries), move.F, ca.diag(MODEL.densities(p)) * move.T)
+    x, P = move.mean(mean.vector()), predicted(covariance(entries), move.F, move.noise(MODEL.densities(p)))
     for measurement in MODEL.measurements(now, p):
         update = measured(x, P, measurement)
         x, P = update.x, update.P
@@ -50,4 +51,4 @@ def _named(mean: ca.SX) -> dict[str, ca.SX]:
     return dict(zip(MEAN, ca.vertsplit(mean), strict=True))
 
 
-KALMAN = Observer("KF", whole=kalman, gains=gains, rates=no_rates, fitted=True)
+KALMAN = Observer("KF", whole=kalman, apart=estimates_apart, gains=gains, rates=no_rates, fitted=True)

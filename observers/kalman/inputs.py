@@ -39,7 +39,7 @@ def _move(was: Symbols, now: Symbols, p: Symbols) -> Move:
     motion = Motion((was.slope1 + now.slope1) / 2, (was.slope2 + now.slope2) / 2, p.m, T)
 
     ends = (known_acceleration(at, motion.pull1, motion.pull2) for at in (was, now))
-    return Move(motion.factors(), motion.driven(*ends), T)
+    return Move(motion.factors(), motion.driven(*ends), T, ca.SX(len(INDEX), 1))
 
 
 def measurements(u: Symbols, p: Symbols, index: Mapping[str, int] = INDEX) -> list[Measurement]:

@@ -12,17 +12,25 @@ from ...model.block import Parameters, Symbols
 
 @dataclass(frozen=True)
 class Move:
-    """From sample to sample: x⁻ = F x + b, with F as factors, the last one first applied."""
+    """From sample to sample: x⁻ = F x + b, with F as factors, the last one first applied.
+
+    Q: densities of white noise (n × 1) that are known, beside those that are parameters.
+    """
 
     F: Sequence[ca.SX]
     b: ca.SX
     T: ca.SX
+    Q: ca.SX
 
     def mean(self, x: ca.SX) -> ca.SX:
         """x⁻ of the mean x (n × 1)."""
         for factor in reversed(self.F):
             x = factor @ x
         return x + self.b
+
+    def noise(self, densities: ca.SX) -> ca.SX:
+        """What white noise adds meanwhile (n × n), these densities (n × 1) and the known ones."""
+        return ca.diag(densities + self.Q) * self.T
 
 
 @dataclass(frozen=True)

@@ -76,9 +76,14 @@ def gains(s: Sizes, T: float) -> Mapping[str, float]:
     return {**noise(s, T), **{name: max(v, least[name]) for name, v in densities(resolved(s, T), T).items()}}
 
 
+def frequency(s: float, sigma: float, T: float, n: int | float) -> float:
+    """That of a chain of n integrators, w."""
+    # w = (s/(σ√T))^(1/n)
+    return float((s / (sigma * math.sqrt(T))) ** (1 / n))
+
+
 def slowest(numbers: Mapping[str, float], sigma_L: float, T: float) -> float:
     """The frequency w of the slowest chain."""
-    # w = (s/(σ√T))^(1/n)
     n = {"s_D": numbers["order_D"] + 2, "s_u1": numbers["order_u"] + 1, "s_u2": numbers["order_u"] + 1}
     sigma = {"s_D": numbers["sigma_1"], "s_u1": sigma_L, "s_u2": sigma_L}
-    return float(min((numbers[s] / (sigma[s] * math.sqrt(T))) ** (1 / n[s]) for s in n))
+    return min(frequency(numbers[s], sigma[s], T, n[s]) for s in n)

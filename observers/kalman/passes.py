@@ -55,14 +55,14 @@ class Passes:
     def motion(self) -> ca.Function:
         """(p, nothing, sample before, sample) → nothing, the motion between them: it knows of no density."""
         move = self._move
-        entries = ca.vertcat(*(ca.SX(matrix.nz[:]) for matrix in (*move.F, move.b)), move.T)
+        entries = ca.vertcat(*(ca.SX(matrix.nz[:]) for matrix in (*move.F, move.b, move.Q)), move.T)
         return self._scan("motion", ca.SX(0, 1), [self._was.vector(), self._now.vector()], ca.SX(0, 1), entries)
 
     def forward(self) -> ca.Function:
         """(p, carry, motion, sample) → carry, (x⁻, P⁻, ν of each measurement, S of each, what is told of x⁺, P⁺)."""
         n, move = self.sizes.states, self._moved
         carry = ca.SX.sym("carry", n + self.sizes.covariance)
-        P = predicted(unpacked(carry[n:], n), move.F, ca.diag(self._model.densities(self._p)) * move.T)
+        P = predicted(unpacked(carry[n:], n), move.F, move.noise(self._model.densities(self._p)))
         x = move.mean(carry[:n])
         updates = self._updates(x, P)
         after = updates[-1]
@@ -122,5 +122,5 @@ class Passes:
 def _unknown(move: Move) -> tuple[Move, ca.SX]:
     """A motion of the same structure whose entries are symbols, and these in the order of `motion`."""
     matrices = [ca.SX.sym("F", factor.sparsity()) for factor in move.F]
-    b, T = ca.SX.sym("b", move.b.sparsity()), ca.SX.sym("T")
-    return Move(matrices, b, T), ca.vertcat(*(ca.vertcat(*ca.symvar(matrix)) for matrix in (*matrices, b)), T)
+    b, Q, T = ca.SX.sym("b", move.b.sparsity()), ca.SX.sym("Q", move.Q.sparsity()), ca.SX.sym("T")
+    return Move(matrices, b, T, Q), ca.vertcat(*(ca.vertcat(*ca.symvar(matrix)) for matrix in (*matrices, b, Q)), T)

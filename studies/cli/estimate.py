@@ -18,15 +18,11 @@ from ..estimate.run import estimate as estimated
 from ..estimate.scores import scores
 from ..figures.estimate import SHEET, estimate_sheet
 from ..figures.page import content, figure_paths, write_figures
-from ..files.errors import ScenarioError
 from ..files.quote import escaped
 from ..files.writing import writable_folder, write_whole
 from ..kalman.run import AUTO, FORMS
 from ..laboratory.mapping import read_mapping
-from ..laboratory.mechanisms.reading import read_mechanism
-from ..laboratory.muscles import read_muscles
 from ..laboratory.recording import read_recording
-from ..laboratory.subject import Subject, pair_subject, subject_of
 from ..scenarios.layers import Value
 from ..scenarios.observers import observers_named
 from ..verdict.run import judged
@@ -45,6 +41,7 @@ from .shell.options import (
 )
 from .shell.own_observers import loaded
 from .shell.stopping import Stopped
+from .shell.subjects import subject_asked_for
 from .shell.terminal import NUMERICAL, bar, complain, print_table, say
 
 _KALMAN_TOO = "--observer kalman also says what noise leaves open, smooths, and judges recording and muscles"
@@ -104,7 +101,7 @@ def estimate(
     It needs time, positions and tendon forces. If it has the truth too, the estimates are scored.
     """
     folder = writable_folder(Path(out))
-    chosen, subject, mapping = loaded(observers), _subject(muscles, mechanism), read_mapping(maps)
+    chosen, subject, mapping = loaded(observers), subject_asked_for(muscles, mechanism), read_mapping(maps)
     times = [time.monotonic()]
     with bar("reading") as progress:
         read = read_recording(recording, mapping, progress, subject.columns)
@@ -145,11 +142,11 @@ def estimate(
         if not no_figures:
             paths += write_figures(drawn, folder, _STEM)
     say(*notes(dataset), timing(dataset, reading, building, following), err=as_json)
-    if chosen is None and subject.pair:
+    if chosen is None:
         say(_KALMAN_TOO, err=as_json)
-    if subject.pair and KALMAN in dataset.observer and not no_verdict:
+    if KALMAN in dataset.observer and not no_verdict:
         with _noting_what_is_kept(folder), bar("weighing") as progress:
-            found = judged(read, subject.pair, dataset, progress)
+            found = judged(read, subject, dataset, progress)
         dataset.attrs |= {"quality": found.quality, "verdict": json.dumps(found.as_dict())}
         with bar("writing"):
             save_again(dataset, folder)
@@ -169,15 +166,6 @@ def estimate(
         complain(sentence)
     if ended:
         sys.exit(NUMERICAL)
-
-
-def _subject(muscles: str | None, mechanism: str | None) -> Subject:
-    """The pair or the mechanism of a file. ScenarioError unless there is one of both, or for what is wrong in it."""
-    if (muscles is None) == (mechanism is None):
-        raise ScenarioError("a recording needs --muscles FILE.toml, a pair, or --mechanism FILE.toml, one of them")
-    if mechanism is not None:
-        return subject_of(read_mechanism(mechanism))
-    return pair_subject(read_muscles(str(muscles)))
 
 
 @contextlib.contextmanager

@@ -87,7 +87,7 @@ def estimate_dataset(case: Case, results: Mapping[str, Result], library: str) ->
     q, Delta, L_S, u = (
         stacked(names) for names in (system.joint("q"), system.joint("Delta"), *map(system.muscle, ("L_S", "u")))
     )
-    L_C, along = _fibres(s.metres(subject.laws.lengths(q) - L_S), subject.heights)
+    L_C, along = subject.fibres(q, L_S)
     data: dict[str, Variable] = {
         "position": of_joint(("time",), s.positions(y[:, :joints]), "position", "measured positions"),
         "force": of_muscle(("time",), y[:, joints:] * s.force, "N", "measured tendon forces"),
@@ -172,14 +172,6 @@ def joint_units(dataset: xr.Dataset, variable: str) -> dict[str, str]:
     subject = subject_again(read_json("muscle_file", str(dataset.muscle_file.values), dict))
     sliding = dict(zip(subject.joints, subject.scales.sliding, strict=True))
     return {name: slides if sliding[name] else turns for name in names}
-
-
-def _fibres(L: Array, heights: Array) -> tuple[Array, Array]:
-    """Lengths of fibres that reach L along the tendon, and the cosines of their angles to it."""
-    # L_C cos α = L_m − L_S,  L_C sin α = h
-    oblique = np.hypot(L, heights)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        return np.where(heights > 0, oblique, L), np.where(heights > 0, L / oblique, 1.0)
 
 
 def _about(unit: str, sentence: str) -> dict[str, str]:

@@ -22,8 +22,10 @@ from ..kalman.orders import chosen_inputs, manifest
 from ..kalman.record import Record, segments, settled
 from ..kalman.run import INPUTS
 from ..laboratory.laws import Laws
+from ..laboratory.mechanisms.mechanism import Mechanism
 from ..laboratory.muscles import MusclePair
 from ..laboratory.recording import Recording
+from ..laboratory.subject import Subject
 from ..scenarios.layers import SUFFIX, Value, layers, shipped
 from ..scenarios.paths import paths_of
 from ..scenarios.prepare import prepare
@@ -39,7 +41,7 @@ _FOUND = (*NOISE, *OF_INPUTS)
 
 @dataclass(frozen=True)
 class Fitted:
-    """The numbers found, path → value, how they were chosen, and the number of samples.
+    """The numbers found, path → value, how they were chosen as a fit has it, and the number of samples.
 
     scenario: path → value as written of the scenario, with its `base`; none of a recording.
     """
@@ -53,7 +55,7 @@ class Fitted:
 
 def fit(
     source: str | Path | Recording,
-    muscles: str | Path | MusclePair | None = None,
+    muscles: str | Path | MusclePair | Mechanism | Subject | None = None,
     mapping: Mapping[str, str] | None = None,
     changes: Mapping[str, Value] | None = None,
     progress: Progress | None = None,
@@ -69,7 +71,7 @@ def fit(
 
 def fitted(
     source: str | Path | Recording,
-    muscles: str | Path | MusclePair | None,
+    muscles: str | Path | MusclePair | Mechanism | Subject | None,
     mapping: Mapping[str, str] | None,
     changes: Mapping[str, Value],
     progress: Progress,
@@ -79,7 +81,9 @@ def fitted(
         return _of_recording(source, muscles, mapping, changes, progress)
     if isinstance(source, Recording) or Path(source).suffix not in ("", SUFFIX):
         name = "" if isinstance(source, Recording) else f"{shown(str(source))}: "
-        raise ScenarioError(f"{name}a recording needs its muscles (--muscles) to be followed")
+        raise ScenarioError(
+            f"{name}a recording needs its muscles (--muscles) or mechanism (--mechanism) to be followed"
+        )
     if mapping:
         raise ScenarioError("a mapping (--map) names columns of a recording, and a scenario has none")
     return _of_scenario(source, changes, progress)
@@ -87,7 +91,7 @@ def fitted(
 
 def _of_recording(
     source: str | Path | Recording,
-    muscles: str | Path | MusclePair,
+    muscles: str | Path | MusclePair | Mechanism | Subject,
     mapping: Mapping[str, str] | None,
     changes: Mapping[str, Value],
     progress: Progress,
@@ -98,7 +102,7 @@ def _of_recording(
         estimates.attrs["source"],
         {},
         about["gains"][KALMAN],
-        about["fits"][KALMAN][INPUTS],
+        about["fits"][KALMAN],
         int(estimates.attrs["samples"]),
     )
 
@@ -130,7 +134,7 @@ def _of_scenario(source: str | Path, changes: Mapping[str, Value], progress: Pro
     table = record.table()
     choice = chosen_inputs(record, [settled(table[part]) for part in segments(len(record))], by_hand, next(parts))
     found = {f"{KALMAN}.{name}": choice.fit.numbers[name] for name in _FOUND}
-    return Fitted(usual.label, _written(source, changes), found, manifest(choice), len(y))
+    return Fitted(usual.label, _written(source, changes), found, {INPUTS: manifest(choice)}, len(y))
 
 
 def _written(source: str | Path, changes: Mapping[str, Value]) -> dict[str, object]:

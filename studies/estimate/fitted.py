@@ -11,11 +11,20 @@ import numpy as np
 from ...codegen.failure import Failure
 from ...model.arrays import Array
 from ...model.block import STEP, Block
+from ...model.system import System
+from ...observers.kalman.activations import ACTIVATIONS_MODEL
+from ...observers.kalman.apart.activations import LAW_MODEL
+from ...observers.kalman.apart.integrators import JOINT_MODEL, MUSCLE_MODEL
+from ...observers.kalman.inputs import INPUTS_MODEL
 from ..files.errors import RecordingError
 from ..files.progress import Progress
+from ..kalman.apart.record import RecordApart
+from ..kalman.apart.run import ChoiceApart, passed_apart
+from ..kalman.muscles import compiled_muscles
 from ..kalman.orders import Choice, found_numbers, manifest
+from ..kalman.passes import compiled
 from ..kalman.record import Record, refuse_short
-from ..kalman.run import ACTIVATIONS, How, Passed, passed
+from ..kalman.run import ACTIVATIONS, INPUTS, How, Passed, passed
 from ..kalman.tendons import about_estimates
 from .case import Case, Result
 
@@ -29,26 +38,70 @@ def fitted_result(case: Case, block: Block, numbers: Mapping[str, float], progre
         for owner, _, name in [path.partition(".")]
         if owner == block.name
     }
-    how = _how(case)
-    found = passed(record_of(case, numbers), how, by_hand, case.settings.keep_every, progress)
-    y = {name: found.outputs[name] for name in block.y}
+    how, of = _how(case), _of_pair if case.subject.pair else _of_mechanism
+    outputs, gains, told = of(case, numbers, how, by_hand, progress)
+    y = {name: outputs[name] for name in block.y}
     failure = _failure(case, block, numbers, y)
-    guards = {name: found.outputs[name] for name in block.guards if name in found.outputs}
+    guards = {name: outputs[name] for name in block.guards if name in outputs}
     if failure:
         from_then_on = case.tau[case.kept] >= failure.time
         for values in (*y.values(), *guards.values()):
             values[from_then_on] = np.nan
-    gains = {f"{block.name}.{name}": value for name, value in found_numbers(_chosen(found)).items()}
     late = (how.lag or 0) * case.period / case.scales.rate
-    return Result(y, guards, gains, 1, [], failure, {**_told(found), "lag": late})
+    gains = {f"{block.name}.{name}": value for name, value in gains.items()}
+    return Result(y, guards, gains, 1, [], failure, {**told, "lag": late})
 
 
-def record_of(case: Case, numbers: Mapping[str, float]) -> Record:
-    """A recording as the filter's passes take it; numbers: values of the filter's parameters by name."""
+def pair_record(case: Case, numbers: Mapping[str, float]) -> Record:
+    """A recording of a pair as the filter's passes take it; numbers: values of the filter's parameters by name."""
     sizes, curves = case.sizes.pair, case.pair.curves
     return about_estimates(
         Record(case.tau, case.y, case.z, case.slopes, ~case.gaps, numbers, sizes, case.period, curves)
     )
+
+
+def record_apart(case: Case, numbers: Mapping[str, float]) -> RecordApart:
+    """The same of a mechanism."""
+    return RecordApart(
+        case.tau, case.y, case.z, case.slopes, ~case.gaps, numbers, case.sizes, case.period, case.subject.laws
+    )
+
+
+def compile_passes(system: System) -> None:
+    """Compile what the filter needs, or load it from the cache."""
+    compiled_muscles(system)
+    for model in (INPUTS_MODEL, ACTIVATIONS_MODEL) if system.paper else (JOINT_MODEL, MUSCLE_MODEL, LAW_MODEL):
+        compiled(model)
+
+
+# outputs by name, numbers found, and what is told of the fit
+Found = tuple[Mapping[str, Array], Mapping[str, float], dict[str, Any]]
+
+
+def _of_pair(
+    case: Case, numbers: Mapping[str, float], how: How, by_hand: Mapping[str, float], progress: Progress
+) -> Found:
+    found = passed(pair_record(case, numbers), how, by_hand, case.settings.keep_every, progress)
+    return found.outputs, found_numbers(_chosen(found)), _told(found)
+
+
+def _of_mechanism(
+    case: Case, numbers: Mapping[str, float], how: How, by_hand: Mapping[str, float], progress: Progress
+) -> Found:
+    found = passed_apart(record_apart(case, numbers), how, by_hand, case.settings.keep_every, progress)
+    gains = {
+        f"{of}.{name}": value
+        for of, choice in found.choices.items()
+        for name, value in found_numbers(choice.counting).items()
+    }
+    chains = {of: {**_told(choice), "jumps": choice.inputs.jumps} for of, choice in found.choices.items()}
+    return found.outputs, gains, {"chains": chains}
+
+
+def _told(choice: Passed | ChoiceApart) -> dict[str, Any]:
+    """Form and numbers of both passes in words of JSON."""
+    choices = {INPUTS: choice.inputs, **({ACTIVATIONS: choice.activations} if choice.activations else {})}
+    return {"form": choice.form, **{form: manifest(of_form) for form, of_form in choices.items()}}
 
 
 def _how(case: Case) -> How:
@@ -67,11 +120,6 @@ def _how(case: Case) -> How:
 
 def _chosen(found: Passed) -> Choice:
     return found.activations if found.form == ACTIVATIONS and found.activations else found.inputs
-
-
-def _told(found: Passed) -> dict[str, Any]:
-    choices = {"u": found.inputs, **({"a": found.activations} if found.activations else {})}
-    return {"form": found.form, **{form: manifest(choice) for form, choice in choices.items()}}
 
 
 def _failure(case: Case, block: Block, numbers: Mapping[str, float], y: Mapping[str, Array]) -> Failure | None:

@@ -35,7 +35,11 @@ def follower_bank(system: System, corrected: bool, observers: tuple[Observer, ..
 @functools.lru_cache(maxsize=8)
 def fitted_blocks(system: System, corrected: bool, observers: tuple[Observer, ...]) -> tuple[Block, ...]:
     """The others, to which a recording is given as a whole."""
-    return tuple(estimator_of(observer, corrected, system) for observer in observers if observer.fitted)
+    several = (observer for observer in observers if observer.fitted)
+    return tuple(
+        observer.apart(system) if observer.apart and not system.paper else estimator_of(observer, corrected, system)
+        for observer in several
+    )
 
 
 @functools.lru_cache(maxsize=8)

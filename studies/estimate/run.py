@@ -16,14 +16,16 @@ from ...codegen.bank import Bank
 from ...codegen.recordings.filters import CompiledBank
 from ...model.arrays import Array
 from ...model.block import Block
+from ...model.system import System
 from ...observers import OBSERVERS, Observer
 from ..files.errors import RecordingError, ScenarioError
 from ..files.numbers import number, switch, whole
 from ..files.progress import Progress, shares, unseen
 from ..files.quote import shown, table
+from ..kalman.apart.record import RecordApart
 from ..kalman.orders import SECOND_PASS
 from ..kalman.record import Record
-from ..kalman.run import AUTO, FORMS, compile_passes
+from ..kalman.run import AUTO, FORMS
 from ..laboratory.gaps import bridged, refuse_impossible, refuse_long_steps
 from ..laboratory.mechanisms.mechanism import Mechanism
 from ..laboratory.muscles import MusclePair
@@ -39,7 +41,7 @@ from .bands.muscle import compile_sensitivities
 from .case import Case, Result, Settings
 from .conditions import gain_conditions
 from .dataset import estimate_dataset
-from .fitted import fitted_result, record_of
+from .fitted import compile_passes, fitted_result, pair_record, record_apart
 from .follow import (
     compiled_bank,
     fitted_blocks,
@@ -94,7 +96,7 @@ def estimate(
     chosen = observers_named(observers)
     subject = subject_of(muscles)
     bank, whole = _bank(subject, switch("corrected", corrected), chosen), _whole(subject, corrected, chosen)
-    paths = _paths(bank, whole)
+    paths = _paths(subject.system, bank, whole)
     settings = _settings(corrected, changes or {}, keep_every, paths, chosen)
     settings = replace(settings, **_smoothing(chosen, form, smooth, lag))
     known = doubts(subject, {} if doubt is None else doubt, switch("usual_doubt", usual_doubt))
@@ -120,8 +122,8 @@ def compile_observers(subject: Subject, observers: Observers = None, corrected: 
     chosen = observers_named(observers)
     compiled_bank(_bank(subject, corrected, chosen))
     compile_sensitivities(subject)
-    if subject.pair and any(observer.fitted for observer in chosen.values()):
-        compile_passes(subject.pair.curves)
+    if any(observer.fitted for observer in chosen.values()):
+        compile_passes(subject.system)
 
 
 def recorded(
@@ -131,12 +133,24 @@ def recorded(
 
     changes: path → value of its numbers by hand.
     """
+    case, numbers = _recorded(read, pair_subject(pair), changes)
+    return case, pair_record(case, numbers)
+
+
+def recorded_apart(
+    read: Recording, subject: Subject, changes: Mapping[str, float] = MappingProxyType({})
+) -> tuple[Case, RecordApart]:
+    """The same of a mechanism."""
+    case, numbers = _recorded(read, subject, changes)
+    return case, record_apart(case, numbers)
+
+
+def _recorded(read: Recording, subject: Subject, changes: Mapping[str, float]) -> tuple[Case, dict[str, float]]:
     chosen = observers_named(KALMAN)
-    subject = pair_subject(pair)
     bank, (block,) = _bank(subject, True, chosen), _whole(subject, True, chosen)
-    paths = _paths(bank, [block])
+    paths = _paths(subject.system, bank, [block])
     case = _case(read, subject, compiled_bank(bank), paths, Settings(True, changes, 1), {})
-    return case, record_of(case, _numbers(case, paths, block))
+    return case, _numbers(case, paths, block)
 
 
 def _bank(subject: Subject, corrected: bool, chosen: Mapping[str, Observer]) -> Bank:
@@ -162,11 +176,11 @@ def _compiled(subject: Subject, chosen: Mapping[str, Observer]) -> tuple[Observe
     return tuple(observer for observer in banked if observer.chains or observer in chosen.values())
 
 
-def _paths(bank: Bank, whole: Iterable[Block]) -> Paths:
-    """All numbers of the observers, with those of a second pass, which no Block has."""
+def _paths(system: System, bank: Bank, whole: Iterable[Block]) -> Paths:
+    """All numbers of the observers, with those of the pair's second pass, which no Block has."""
     paths = paths_of([*bank.observers, *whole])
     second = {f"{block.name}.{name}": parameter for block in whole for name, parameter in SECOND_PASS.items()}
-    return replace(paths, parameters={**second, **paths.parameters})
+    return replace(paths, parameters={**second, **paths.parameters}) if system.paper else paths
 
 
 def _smoothing(chosen: Mapping[str, Observer], form: str, smooth: bool, lag: float) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""What follows from estimates for a pair of muscles: activations, how sure they are, and the law between them."""
+"""What follows from estimates for muscles: activations, how sure they are, and the law between them."""
 
 from __future__ import annotations
 
@@ -11,27 +11,28 @@ import numpy as np
 from ...codegen.shared_library import compile_functions
 from ...model.arrays import Array
 from ...model.block import Block
-from ...model.curves import Curves
-from ...model.system import pair_system
+from ...model.system import System
 from ...observers.behind.activation import activation_estimate
 from ...observers.behind.spread import spread
 from ...observers.kalman.activations import linear_law
+from ...observers.kalman.apart.activations import linear_law as law_apart
+from ...observers.kalman.apart.estimates import estimates_apart
 from ...observers.slopes import tendon_lines
 
-ACTIVATION, SPREAD, LAW, TENDONS = "activation", "spread", "linear_law", "tendon_lines"
+ACTIVATION, SPREAD, LAW, TENDONS, APART = "activation", "spread", "linear_law", "tendon_lines", "kalman"
 
 
 class CompiledMuscles:
-    """The Blocks behind estimates as functions of many samples."""
+    """The Blocks behind estimates as functions of many samples: of the pair those but the last, else the last three."""
 
-    def __init__(self, curves: Curves) -> None:
-        pair = pair_system(curves)
-        blocks = (activation_estimate(pair), spread(pair), linear_law(pair), tendon_lines(pair))
+    def __init__(self, system: System) -> None:
+        of_pair = (activation_estimate, spread, linear_law, tendon_lines)
+        blocks = [of(system) for of in (of_pair if system.paper else (law_apart, tendon_lines, estimates_apart))]
         self._blocks = {block.name: block for block in blocks}
         self._library = compile_functions([_function(block) for block in self._blocks.values()])
 
     def outputs(self, name: str, numbers: Mapping[str, float], given: Mapping[str, Array]) -> dict[str, Array]:
-        """Outputs and guards (n) by name, of one of the four above; numbers, given: by the names it knows."""
+        """Outputs and guards (n) by name, of one of the above; numbers, given: by the names it knows."""
         block = self._blocks[name]
         columns = np.stack([given[port] for port in block.u], axis=-1)
         (results,) = self._library.call(name, columns, [numbers[number] for number in block.p])
@@ -39,9 +40,9 @@ class CompiledMuscles:
 
 
 @functools.lru_cache(maxsize=8)
-def compiled_muscles(curves: Curves) -> CompiledMuscles:
-    """What follows from estimates with these curves, compiled once."""
-    return CompiledMuscles(curves)
+def compiled_muscles(system: System) -> CompiledMuscles:
+    """What follows from estimates of a system, compiled once."""
+    return CompiledMuscles(system)
 
 
 def _function(block: Block) -> ca.Function:

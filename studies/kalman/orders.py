@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -16,7 +17,7 @@ from ...observers.kalman.inputs import INPUTS_MODEL
 from ...observers.kalman.parameters import densities, least_densities, noise, resolved
 from ..files.progress import Progress, shares, unseen
 from .fit import Fit, fitted
-from .passes import compiled
+from .passes import CompiledPasses, compiled
 from .record import Record
 
 # another order must be likelier by more than chance makes it; in the first pass a lower one by this much of each
@@ -35,16 +36,25 @@ _FOUND = ("s_", "sigma", "order")
 
 # order of Δ, order of u or a → fit
 Fitting = Callable[[int, int], Fit]
+# that of each chain
+Orders = tuple[int, ...]
 
 
 @dataclass(frozen=True)
 class Choice:
     """The likeliest fit, its orders, and log L of all orders that were tried; needed: by how much it must be larger."""
 
-    orders: tuple[int, int]
+    orders: Orders
     fit: Fit
-    tried: Mapping[tuple[int, int], float] = field(default_factory=dict)
-    needed: Mapping[tuple[int, int], float] = field(default_factory=dict)
+    tried: Mapping[Orders, float] = field(default_factory=dict)
+    needed: Mapping[Orders, float] = field(default_factory=dict)
+
+    @property
+    def jumps(self) -> bool:
+        """Whether an input of order 1, which jumps, is taken or nearly as likely."""
+        rough = tuple(1 for _ in self.orders)
+        loss = self.fit.log_likelihood - self.tried.get(rough, -math.inf)
+        return self.orders == rough or loss < self.needed.get(rough, 0.0)
 
 
 def chosen_inputs(
@@ -61,8 +71,7 @@ def chosen_inputs(
         numbers = before_a_fit(record, by_hand, order_D, order_u)
         return fitted(passes, tables, numbers, _free(OF_INPUTS, least, by_hand))
 
-    rougher = max(_GAIN, _ROUGHER * sum(float(rows[:, -1].sum()) for rows in tables))
-    return _likeliest(fitting, _tried(by_hand, "order_D"), _tried(by_hand, "order_u"), rougher, progress)
+    return _likeliest(fitting, tried(by_hand, "order_D"), tried(by_hand, "order_u"), _rougher(tables), progress)
 
 
 def before_a_fit(
@@ -84,7 +93,7 @@ def chosen_activations(
     passes, parameters = compiled(ACTIVATIONS_MODEL), ACTIVATIONS_MODEL.parameters
     # Δ_Φ is the same in both passes, and so is its order
     order_D, s_D = first.orders[0], first.fit.numbers["s_D"]
-    least = {name: _LEAST * parameters[name].default for name in OF_ACTIVATIONS}
+    least = least_of_law(parameters, OF_ACTIVATIONS)
     least["s_D"] = least_densities(resolved(record.sizes, record.T), record.T, order_D, _USUAL)["s_D"]
     free = _free(OF_ACTIVATIONS, least, by_hand)
 
@@ -94,14 +103,25 @@ def chosen_activations(
         numbers = {**defaults, **_known(first.fit.numbers, parameters), **own, **_known(by_hand, parameters)}
         return fitted(passes, tables, numbers, free)
 
-    orders = _tried(by_hand, "order_a")
+    orders = tried(by_hand, "order_a")
     ordering, last = shares(progress, [len(orders), 1])
     choice = _likeliest(fitting, [order_D], orders, _GAIN, ordering)
-    # towards 0 the fixed point creeps, and log L hardly tells: it is asked for what the law leaves, or nothing
-    others = {name: smallest for name, smallest in free.items() if name not in OF_LAW}
-    exact = {**choice.fit.numbers, **{name: free[name] for name in OF_LAW if name in free}}
-    without = fitted(passes, tables, exact, others)
+    choice = exact_if_likelier(passes, tables, choice, free, OF_LAW)
     last(1.0)
+    return choice
+
+
+def exact_if_likelier(
+    passes: CompiledPasses, tables: Sequence[Array], choice: Choice, free: Mapping[str, float], of_law: Sequence[str]
+) -> Choice:
+    """The choice, or the same without the densities `of_law` that stand for what a line through Hill's law leaves.
+
+    free: the least values of what is found.
+    """
+    # towards 0 the fixed point creeps, and log L hardly tells: it is asked for what the law leaves, or nothing
+    others = {name: smallest for name, smallest in free.items() if name not in of_law}
+    exact = {**choice.fit.numbers, **{name: free[name] for name in of_law if name in free}}
+    without = fitted(passes, tables, exact, others)
     better = max((without, choice.fit), key=lambda fit: fit.log_likelihood)
     return replace(choice, fit=replace(better, passes=choice.fit.passes + without.passes))
 
@@ -118,9 +138,40 @@ def manifest(choice: Choice) -> dict[str, Any]:
         "orders": list(choice.orders),
         "log_likelihood": choice.fit.log_likelihood,
         "passes": choice.fit.passes,
-        "tried": {f"{D},{second}": value for (D, second), value in choice.tried.items()},
-        "needed": {f"{D},{second}": value for (D, second), value in choice.needed.items()},
+        "tried": {_written(orders): value for orders, value in choice.tried.items()},
+        "needed": {_written(orders): value for orders, value in choice.needed.items()},
     }
+
+
+def least_of_law(parameters: Parameters, names: Sequence[str]) -> dict[str, float]:
+    """The least values of densities of the second pass."""
+    return {name: _LEAST * parameters[name].default for name in names}
+
+
+def likeliest_chain(
+    fitting: Callable[[int], Fit], orders: Sequence[int], tables: Sequence[Array] | None = None
+) -> Choice:
+    """The likeliest order of one chain, the usual one first in the list.
+
+    tables: what it is fitted to, if a lower order must gain more than chance makes.
+    """
+    fits: dict[Orders, Fit] = {(order,): fitting(order) for order in orders}
+    usual, rougher = next(iter(fits)), _GAIN if tables is None else _rougher(tables)
+    return _choice(fits, usual, _best(fits, usual, rougher), rougher)
+
+
+def tried(by_hand: Mapping[str, float], name: str) -> list[int]:
+    """The orders to be tried, the usual one first, unless one is given by hand."""
+    return [int(by_hand[name])] if name in by_hand else [_USUAL, *_OTHERS]
+
+
+def _rougher(tables: Sequence[Array]) -> float:
+    """What orders below the usual ones must gain."""
+    return max(_GAIN, _ROUGHER * sum(float(rows[:, -1].sum()) for rows in tables))
+
+
+def _written(orders: Orders) -> str:
+    return ",".join(map(str, orders))
 
 
 def _likeliest(
@@ -135,31 +186,30 @@ def _likeliest(
         return found
 
     usual = of_D[0], of_second[0]
-    fits = {(of_D[0], second): fit(of_D[0], second) for second in of_second}
+    fits: dict[Orders, Fit] = {(of_D[0], second): fit(of_D[0], second) for second in of_second}
     best = _best(fits, usual, rougher)
     fits |= {(order_D, best[1]): fit(order_D, best[1]) for order_D in of_D[1:]}
-    best = _best(fits, best, rougher)
+    return _choice(fits, usual, _best(fits, best, rougher), rougher)
+
+
+def _choice(fits: Mapping[Orders, Fit], usual: Orders, best: Orders, rougher: float) -> Choice:
     likelihoods = {orders: found.log_likelihood for orders, found in fits.items()}
     return Choice(best, fits[best], likelihoods, {orders: _needed(orders, usual, rougher) for orders in fits})
 
 
-def _best(fits: Mapping[tuple[int, int], Fit], usual: tuple[int, int], rougher: float) -> tuple[int, int]:
+def _best(fits: Mapping[Orders, Fit], usual: Orders, rougher: float) -> Orders:
     """The likeliest orders of those that gain enough over the usual ones."""
 
-    def gain(orders: tuple[int, int]) -> float:
+    def gain(orders: Orders) -> float:
         return fits[orders].log_likelihood - fits[usual].log_likelihood - _needed(orders, usual, rougher)
 
     best = max(fits, key=gain)
     return best if gain(best) > 0 else usual
 
 
-def _needed(orders: tuple[int, int], usual: tuple[int, int], rougher: float) -> float:
+def _needed(orders: Orders, usual: Orders, rougher: float) -> float:
     """What log L must gain over that of the usual orders; more if one of them is lower."""
     return rougher if any(order < least for order, least in zip(orders, usual, strict=True)) else _GAIN
-
-
-def _tried(by_hand: Mapping[str, float], name: str) -> list[int]:
-    return [int(by_hand[name])] if name in by_hand else [_USUAL, *_OTHERS]
 
 
 def _free(names: Sequence[str], least: Mapping[str, float], by_hand: Mapping[str, float]) -> dict[str, float]:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...model.arrays import Array
-from ...model.curves import Curves
+from ...model.system import pair_system
 from ...observers.kalman.activations import ACTIVATIONS_MODEL
 from ...observers.kalman.inputs import INPUTS_MODEL
 from ...observers.kalman.parameters import resolved, slowest
@@ -89,7 +89,7 @@ def estimated(
 ) -> tuple[str, dict[str, Array]]:
     """The form that counts, and by name every n-th estimate, standard deviation and guard."""
     whole, ahead = record.table(), _ahead(record, inputs)
-    if activations is None or _form(how, inputs, activations) == INPUTS:
+    if activations is None or form_of(how, inputs, activations) == INPUTS:
         told = over(compiled(INPUTS_MODEL), inputs.fit.numbers, whole, how, ahead)
         return INPUTS, _collected(told, _of_inputs(record), keep_every, len(record), progress)
     before, after = shares(progress, [_PASS, _PASS])
@@ -118,18 +118,16 @@ def estimates_of_inputs(record: Record, inputs: Choice) -> Array:
 
 def innovations(record: Record, numbers: Mapping[str, float]) -> Array:
     """The innovations of the first pass over their standard deviations (n × 3); NaN where a sample does not count."""
-    rows = settled(record.table())
-    pieces = _filtered(compiled(INPUTS_MODEL), {**record.numbers, **numbers}, rows)
+    return innovation_ratios(compiled(INPUTS_MODEL), {**record.numbers, **numbers}, record.table())
+
+
+def innovation_ratios(passes: CompiledPasses, numbers: Mapping[str, float], rows: Array) -> Array:
+    """Those of a table (n × measurements)."""
+    rows = settled(rows)
+    pieces = _filtered(passes, numbers, rows)
     ratios: Array = np.concatenate([filtered.nu / np.sqrt(filtered.S) for _, _, filtered in pieces])
     ratios[rows[:, -1] == 0] = np.nan
     return ratios
-
-
-def compile_passes(curves: Curves) -> None:
-    """Compile what `passed` needs, or load it from the cache."""
-    compiled_muscles(curves)
-    for model in (INPUTS_MODEL, ACTIVATIONS_MODEL):
-        compiled(model)
 
 
 def over(passes: CompiledPasses, numbers: Mapping[str, float], rows: Array, how: How, ahead: int) -> Iterator[Array]:
@@ -150,6 +148,11 @@ def over(passes: CompiledPasses, numbers: Mapping[str, float], rows: Array, how:
         yield passes.smoothed(numbers, seen, motions, filtered, how.lag or 0).told[:length].copy()
 
 
+def ahead(w: float, T: float) -> int:
+    """Samples, T apart, after which a smoother whose slowest chain has the frequency w has nothing more to learn."""
+    return min(math.ceil(_AHEAD / (w * T)), _PIECE)
+
+
 def _filtered(
     passes: CompiledPasses, numbers: Mapping[str, float], rows: Array
 ) -> Iterator[tuple[int, Array, Filtered]]:
@@ -163,19 +166,18 @@ def _filtered(
         yield start, motions, filtered
 
 
-def _form(how: How, inputs: Choice, activations: Choice) -> str:
+def form_of(how: How, inputs: Choice, activations: Choice) -> str:
     """The likelier form, unless one is asked for."""
     if how.form != AUTO:
         return how.form
     # a smoother does without the second pass where the inputs are abrupt: the likelihood looks one sample ahead only
-    abrupt = inputs.orders[1] == 1 and not how.causal
+    abrupt = inputs.orders[-1] == 1 and not how.causal
     return ACTIVATIONS if activations.fit.log_likelihood > inputs.fit.log_likelihood and not abrupt else INPUTS
 
 
 def _ahead(record: Record, inputs: Choice) -> int:
     """Samples after which a smoother has nothing more to learn."""
-    w = slowest(inputs.fit.numbers, resolved(record.sizes, record.T).sigma_L, record.T)
-    return min(math.ceil(_AHEAD / (w * record.T)), _PIECE)
+    return ahead(slowest(inputs.fit.numbers, resolved(record.sizes, record.T).sigma_L, record.T), record.T)
 
 
 def _whole(record: Record, inputs: Choice, rows: Array, how: How) -> Array:
@@ -188,7 +190,7 @@ def _linear(record: Record, rows: Array, inputs: Choice, how: How) -> Array:
     """The rows of the second pass, linear about the first: smoothed if `how` is, and causal if that is late only."""
     about = _whole(record, inputs, rows, how if how.lag is None else How())
     estimates = dict(zip(ESTIMATES, about.T, strict=True))
-    law = compiled_muscles(record.curves).outputs(LAW, record.numbers, estimates)
+    law = compiled_muscles(pair_system(record.curves)).outputs(LAW, record.numbers, estimates)
     known = dict(zip(row_names(INPUTS_MODEL), rows.T, strict=True))
     return table(ACTIVATIONS_MODEL, {**known, **estimates, **law})
 
@@ -206,7 +208,7 @@ def _collected(
 
 
 def _of_inputs(record: Record) -> Outputs:
-    muscles = compiled_muscles(record.curves)
+    muscles = compiled_muscles(pair_system(record.curves))
 
     def outputs(told: Array) -> dict[str, Array]:
         named = dict(zip(compiled(INPUTS_MODEL).told, told.T, strict=True))

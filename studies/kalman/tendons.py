@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ...model.system import pair_system
 from ...observers.kalman.inputs import INPUTS_MODEL
 from ...observers.ports import ESTIMATES
 from ...observers.slopes import SLOPES
@@ -25,6 +26,6 @@ def about_estimates(record: Record) -> Record:
     told = over(compiled(INPUTS_MODEL), before_a_fit(record, {}), record.table(), How(lag=0), 0)
     estimates = dict(zip(ESTIMATES, np.concatenate([rows[:, : len(ESTIMATES)].copy() for rows in told]).T, strict=True))
     forces = {"y2": record.y[:, 1], "y3": record.y[:, 2]}
-    lines = compiled_muscles(record.curves).outputs(TENDONS, record.numbers, {**estimates, **forces})
+    lines = compiled_muscles(pair_system(record.curves)).outputs(TENDONS, record.numbers, {**estimates, **forces})
     z, slopes = (np.stack([lines[name] for name in names], axis=1) for names in (LENGTHS, SLOPES))
     return replace(record, z=z, slopes=slopes)

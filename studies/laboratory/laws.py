@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import casadi as ca
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ...model.arrays import Array
 from ...model.block import Symbols
@@ -31,7 +32,7 @@ class Laws:
         self._accelerations = ca.Function("accelerations", columns[:3], [acc])
         self._rates = ca.Function("rates", columns[:2], [ca.vertcat(*system.rates(q, dq, p))])
         self._arms = ca.Function("arms", columns[:1], [ca.vec(ca.densify(moment_arms(lengths, columns[0])))])
-        self._gain = ca.Function("gain", columns[:3], [ca.densify(ca.jacobian(acc, columns[2]))])
+        self._gain = ca.Function("gain", columns[:3], [ca.vec(ca.densify(ca.jacobian(acc, columns[2])))])
         forces = ca.vertcat(*system.forces(q, Delta, p))
         self._forces = ca.Function("forces", [columns[0], columns[3]], [forces])
         self._places = {name: ca.Function("place", columns[:1], [at]) for name, at in system.places(q).items()}
@@ -60,7 +61,7 @@ class Laws:
         """What tendon forces (… × muscles) make of the joints (… × joints)."""
         return _mapped(self._accelerations, [q, dq, F])
 
-    def acceleration_noise(self, q: Array, F: Array, sigmas: Sequence[float]) -> Array:
+    def acceleration_noise(self, q: Array, F: Array, sigmas: ArrayLike) -> Array:
         """Variance of each joint's acceleration from noise of the forces, in the mean over samples (n × …).
 
         That of the pair is left out: its sensors' forces are precise beside its mass.
@@ -68,9 +69,22 @@ class Laws:
         if self.system.paper:
             return np.zeros(len(self.system.joints))
         few = slice(None, None, max(1, len(q) // _FEW))
-        gains = np.array([self._gain(at, 0 * at, forces) for at, forces in zip(q[few], F[few], strict=True)])
+        return np.asarray(self.acceleration_variances(q[few], F[few], sigmas).mean(axis=0))
+
+    def acceleration_variances(self, q: Array, F: Array, sigmas: ArrayLike) -> Array:
+        """The same of each sample (n × joints)."""
         # (∂α/∂F)² σ_F²
-        return np.asarray((gains**2 @ np.array(sigmas) ** 2).mean(axis=0))
+        return np.asarray(self._gains(q, F) ** 2 @ np.asarray(sigmas) ** 2)
+
+    def acceleration_shares(self, q: Array, F: Array, sigmas: ArrayLike) -> Array:
+        """What each force has in it, in the mean over samples (joints × muscles)."""
+        few = slice(None, None, max(1, len(q) // _FEW))
+        return np.asarray((self._gains(q[few], F[few]) ** 2 * np.asarray(sigmas) ** 2).mean(axis=0))
+
+    def _gains(self, q: Array, F: Array) -> Array:
+        """∂α/∂F (n × joints × muscles)."""
+        flat = _mapped(self._gain, [q, 0 * q, F])
+        return flat.reshape(len(q), len(self.system.muscles), len(self.system.joints)).transpose(0, 2, 1)
 
 
 def _mapped(function: ca.Function, columns: Sequence[Array]) -> Array:

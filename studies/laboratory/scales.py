@@ -116,11 +116,11 @@ def _numbers(muscles: Mapping[str, Muscle]) -> dict[str, float]:
     return {
         f"{name}.{key}": value
         for name, muscle in muscles.items()
-        for key, value in _curve_numbers(name, muscle, reference, muscles[reference]).items()
+        for key, value in curve_numbers(name, muscle, reference, muscles[reference]).items()
     }
 
 
-def _curve_numbers(name: str, muscle: Muscle, reference: str, first: Muscle) -> dict[str, float]:
+def curve_numbers(name: str, muscle: Muscle, reference: str, first: Muscle) -> dict[str, float]:
     """The numbers of a muscle's curve set, its sizes in those of the first."""
     curves = muscle.curves
     sizes = relative(muscle.sizes, first.sizes)

@@ -121,6 +121,14 @@ class Subject:
         # h = l₀ sin α₀
         return np.array([m.optimal_fibre_length * np.sin(m.pennation) for m in self.muscles.values()])
 
+    def fibres(self, q: Array, L_S: Array) -> tuple[Array, Array]:
+        """Lengths of fibres in m, of tendons of the lengths L_S, and the cosines of their angles to these."""
+        # L_C cos α = L_m − L_S,  L_C sin α = h
+        L, heights = self.scales.metres(self.laws.lengths(q) - L_S), self.heights
+        oblique = np.hypot(L, heights)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            return np.where(heights > 0, oblique, L), np.where(heights > 0, L / oblique, 1.0)
+
     def disturbance(self, q: Array, Delta: Array) -> Array:
         """External forces in N and torques in N m (… × joints), of dimensionless coordinates and accelerations."""
         return self.laws.forces(q, Delta) * self.scales.torques

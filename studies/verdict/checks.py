@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -21,39 +21,43 @@ _SHORTEST, _LONGEST, _SHARE = 0.3, 1.9, 0.05
 _STILL = 2.0
 # share of samples whose activation may be at a limit
 _LIMITED = 0.1
+# what fibres of impossible lengths may mean
+_OF_PAIR = "position or a length of the muscle file may be in another unit, such as mm"
+_OF_MECHANISM = "an angle may be in another unit or inverted, or a length of the mechanism be another"
 # the rest of the acceleration, over that which the forces explain
 _UNEXPLAINED = 3.0
 
 
 def of_measurements(case: Case) -> Iterator[Finding]:
     """Of positions and forces as they are: what no muscle measures."""
-    sizes = case.sizes.pair
-    sigmas = sizes.sigma_1, sizes.sigma_F1, sizes.sigma_F2
-    if _stands_still(case.y[:, 0], sigmas[0]):
-        yield _still("position", "a broken sensor?", case.y[:, 0])
-    for j, muscle in enumerate((case.pair.muscle1, case.pair.muscle2), start=1):
-        force = case.y[:, j]
+    subject, sizes = case.subject, case.sizes
+    joints = len(subject.system.joints)
+    positions, forces = case.y[:, :joints], case.y[:, joints:]
+    for name, position, joint in zip(subject.names["position"], positions.T, sizes.joints.values(), strict=True):
+        if _stands_still(position, joint.sigma):
+            yield _still("position", name, "a broken sensor?", position)
+    for (name, muscle), force, size in zip(subject.forces.items(), forces.T, sizes.muscles.values(), strict=True):
         largest = float(np.max(force)) * case.scales.force / muscle.F_max
         if not force.any():
-            yield Finding("force", f"force_{j} is 0 throughout: a dead sensor, or a muscle that is slack", 0.0, True)
+            yield Finding("force", f"{name} is 0 throughout: a dead sensor, or a muscle that is slack", 0.0, True)
         elif largest < _LEAST_FORCE:
             yield Finding(
                 "force",
-                f"force_{j} is never above {largest:.2g} F_max of its muscle: it may be in kN, or F_max is another",
+                f"{name} is never above {largest:.2g} F_max of its muscle: it may be in kN, or F_max is another",
                 largest,
                 True,
             )
-        elif _stands_still(force, sigmas[j]):
-            yield _still(f"force_{j}", "a dead sensor or amplifier?", force)
-    L_m = case.subject.laws.lengths(case.y[:, :1])
-    for j, muscle in enumerate((case.pair.muscle1, case.pair.muscle2), start=1):
-        fibre = (L_m[:, j - 1] - case.z[:, j - 1]) * case.scales.length / muscle.optimal_fibre_length
+        elif _stands_still(force, size.sigma_F):
+            yield _still("force", name, "a dead sensor or amplifier?", force)
+    lengths, along = subject.fibres(positions, case.z)
+    for label, muscle, length in zip(subject.labels, subject.muscles.values(), (lengths * along).T, strict=True):
+        fibre = length / muscle.optimal_fibre_length
         beyond = float(np.mean((fibre < _SHORTEST) | (fibre > _LONGEST)))
         if beyond > _SHARE:
             yield Finding(
                 "fibre",
-                f"fibre {j} would be {np.median(fibre):.2g} optimal lengths long (median): position or a length of the "
-                "muscle file may be in another unit, such as mm",
+                f"fibre {label} would be {np.median(fibre):.2g} optimal lengths long (median): "
+                + (_OF_MECHANISM if subject.joints else _OF_PAIR),
                 beyond,
                 True,
             )
@@ -87,11 +91,31 @@ def of_estimates(pull: Array, rest: Array, limited: Sequence[float]) -> Iterator
             ratio,
             True,
         )
-    for j, share in enumerate(limited, start=1):
+    yield from of_limits(dict(enumerate(limited, start=1)))
+
+
+def of_joints(torques: Mapping[str, Array], rest: Mapping[str, Array]) -> Iterator[Finding]:
+    """The same of each joint: what the muscles do to it and what else does (n)."""
+    for of, torque in torques.items():
+        explained, unexplained = float(np.std(torque)), float(np.std(rest[of]))
+        if explained and unexplained > _UNEXPLAINED * explained:
+            ratio = unexplained / explained
+            yield Finding(
+                "acceleration",
+                f"something else moves {of} {plain(ratio)} times as much as its muscles: masses may be smaller, forces "
+                "in kN, or an angle inverted",
+                ratio,
+                True,
+            )
+
+
+def of_limits(limited: Mapping[int | str, float]) -> Iterator[Finding]:
+    """Of the share of samples in which the activation of each muscle is at a limit."""
+    for label, share in limited.items():
         if share > _LIMITED:
             yield Finding(
                 "limited",
-                f"activation {j} is at a limit in {share:.0%} of the samples: F_max, a length of the muscle or "
+                f"activation {label} is at a limit in {share:.0%} of the samples: F_max, a length of the muscle or "
                 "its curves may be another",
                 share,
                 True,
@@ -102,5 +126,5 @@ def _stands_still(signal: Array, sigma: float) -> bool:
     return float(np.std(signal)) <= _STILL * sigma or not np.ptp(signal)
 
 
-def _still(name: str, why: str, signal: Array) -> Finding:
-    return Finding(name.partition("_")[0], f"{name} stands still within its noise: {why}", float(np.ptp(signal)), True)
+def _still(subject: str, name: str, why: str, signal: Array) -> Finding:
+    return Finding(subject, f"{name} stands still within its noise: {why}", float(np.ptp(signal)), True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,19 +26,22 @@ _LEAST = 1e-3
 # blocks of which something is usual
 _FEW = 3
 _OF = ("position", "force_1", "force_2")
+# of more sensors the least and the largest number are told
+_MANY = 3
 
 
-def of_innovations(time: Array, ratios: Array, noise: float) -> Iterator[Finding]:
-    """ratios: innovations over their standard deviations (n × 3), NaN where a sample does not count; time: s (n).
+def of_innovations(time: Array, ratios: Array, noise: float, sensors: Sequence[str] = _OF) -> Iterator[Finding]:
+    """ratios: innovations over their standard deviations (n × sensors), NaN where one does not count; time: s (n).
 
     noise: that of the forces, in F₀.
     """
-    counted = np.array(np.isfinite(ratios).all(axis=1))
-    if noise < NO_NOISE or not counted.any():
+    counts = np.isfinite(ratios)
+    if noise < NO_NOISE or not counts.any(axis=0).all():
         yield Finding("innovations", "there is no noise to speak of, so innovations tell nothing", noise)
         return
-    size = np.mean(ratios[counted] ** 2, axis=0)
-    colour = np.array([_correlation(ratio, counted) for ratio in ratios.T])
+    size = np.array([np.mean(ratio[counted] ** 2) for ratio, counted in zip(ratios.T, counts.T, strict=True)])
+    colour = np.array([_correlation(ratio, counted) for ratio, counted in zip(ratios.T, counts.T, strict=True)])
+    counted = np.array(counts.all(axis=1))
     wrong = bool((size < _SIZE[0]).any() or (size > _SIZE[1]).any() or (np.abs(colour) > _COLOUR).any())
     advice = ""
     if wrong:
@@ -47,18 +50,27 @@ def of_innovations(time: Array, ratios: Array, noise: float) -> Iterator[Finding
             f": noise that is not white, a number by hand, {'uneven steps, ' * bool(uneven)}or a sensor that changes"
         )
     sentence = (
-        f"innovations of {', '.join(_OF)} over their standard deviations: mean square "
-        f"{', '.join(f'{s:.2f}' for s in size)} (1 is right), correlation from sample to sample "
-        f"{', '.join(f'{c:z.2f}' for c in colour)} (0 is right){advice}"
+        f"innovations of {', '.join(sensors)} over their standard deviations: mean square "
+        f"{_told(sensors, size)} (1 is right), correlation from sample to sample "
+        f"{_told(sensors, colour)} (0 is right){advice}"
     )
     yield Finding("innovations", sentence, float(np.max(np.abs(size - 1))), wrong)
-    yield from _changed(time, ratios, counted, np.abs(colour) <= _WAVES)
+    yield from _changed(time, ratios, counted, colour, sensors)
 
 
-def _changed(time: Array, ratios: Array, counted: NDArray[np.bool_], compared: NDArray[np.bool_]) -> Iterator[Finding]:
+def _told(sensors: Sequence[str], values: Array) -> str:
+    if len(sensors) <= _MANY:
+        return ", ".join(f"{value:z.2f}" for value in values)
+    least, most = int(np.argmin(values)), int(np.argmax(values))
+    return f"{values[least]:z.2f} ({sensors[least]}) to {values[most]:z.2f} ({sensors[most]})"
+
+
+def _changed(
+    time: Array, ratios: Array, counted: NDArray[np.bool_], colour: Array, sensors: Sequence[str]
+) -> Iterator[Finding]:
     """The longest part of the recording in which innovations of a sensor are far larger or smaller than usual.
 
-    compared: of which sensors (3) parts can be compared.
+    colour: correlation from sample to sample; where that is large parts cannot be compared.
     """
     blocks = len(ratios) // _BLOCK
     seen = counted[: blocks * _BLOCK].reshape(blocks, _BLOCK)
@@ -70,7 +82,9 @@ def _changed(time: Array, ratios: Array, counted: NDArray[np.bool_], compared: N
     size = np.nanmedian(sizes, axis=1)
     usual = np.median(size, axis=0)
     # −1: smaller, 1: larger
-    kinds = np.where(size < _BLOCKS[0] * usual, -1, np.where(size > _BLOCKS[1] * usual, 1, 0)) * compared
+    kinds = np.where(size < _BLOCKS[0] * usual, -1, np.where(size > _BLOCKS[1] * usual, 1, 0)) * (
+        np.abs(colour) <= _WAVES
+    )
     if not kinds.any():
         return
     edges = np.flatnonzero(np.concatenate([[True], (np.diff(kinds, axis=0) != 0).any(axis=1), [True]]))
@@ -79,7 +93,7 @@ def _changed(time: Array, ratios: Array, counted: NDArray[np.bool_], compared: N
     first, last = int(edges[longest]), int(edges[longest + 1]) - 1
     when = float(time[told[first] * _BLOCK]), float(time[(told[last] + 1) * _BLOCK - 1])
     factors = np.median(size[first : last + 1], axis=0) / usual
-    named = [f"{_OF[i]} are {plain(factors[i])} times" for i in np.flatnonzero(kinds[first]).tolist()]
+    named = [f"{sensors[i]} are {plain(factors[i])} times" for i in np.flatnonzero(kinds[first]).tolist()]
     more = int(kinds.any(axis=1).sum()) - (last + 1 - first)
     also = f"; in {more / len(told):.0%} of the recording there are other changes" if more else ""
     yield Finding(

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
 
+from ...model.system import pair_system
 from ...observers.ports import ESTIMATES
 from ..estimate.case import Case
 from ..estimate.run import recorded
@@ -17,17 +18,14 @@ from ..kalman.record import Record
 from ..kalman.run import causal_choices, estimates_of_inputs
 from ..laboratory.muscles import MusclePair
 from ..laboratory.recording import Recording
-from .finding import Finding, Suspect
+from .doubts import Weighed, doubts, needed_for, unknown
+from .finding import Finding
 from .likelihood import Weight, gains, weight
 from .variants import Variant, called, variants
 
-# log L that a variant must gain, and that of each sample: what the model leaves out is no doubt of the muscle
-_GAIN, _EACH = 30.0, 0.02
 # an order of u below this is that of activations that jump: then F_max, lengths and curves other than the right ones
 # are likelier as often as not, v_max is not, by so many times what is usual
-_SMOOTH, _WHERE_ROUGH, _ROUGH = 3, "v_max", 1.5
-# others than the best are named up to here
-_NAMED = 3
+SMOOTH, WHERE_ROUGH, ROUGH = 3, "v_max", 1.5
 # a constant error of the forces, in F_max, whose effect is told
 _BIAS = 0.01
 _ORDERS = ("order_D", "order_u", "order_a")
@@ -41,55 +39,30 @@ def of_muscles(read: Recording, pair: MusclePair, fit: Mapping[str, Any], progre
     """
     case, record = recorded(read, pair)
     inputs, activations = choices = causal_choices(record, _orders(fit))
-    rough = inputs.orders[1] < _SMOOTH
+    rough = inputs.orders[1] < SMOOTH
     yield _form(inputs, activations, rough)
     yield from bias(case, record, inputs)
     base, tried = weight(record, choices, pair), list(variants(read, pair))
     orders = {**inputs.fit.numbers, **activations.fit.numbers}
-    weighed = []
+    needed, weighed = needed_for(len(read)), []
     settling = record.settling / case.scales.rate
-    for i, found in enumerate(gains(base, {name: orders[name] for name in _ORDERS}, tried, settling), start=1):
-        weighed.append(found)
+    for i, (variant, gain) in enumerate(
+        gains(base, {name: orders[name] for name in _ORDERS}, tried, settling), start=1
+    ):
+        least = needed * variant.caution * (ROUGH if rough and not variant.mechanical else 1.0)
+        telling, alone = _tells(variant, base, rough), variant.mechanical
+        weighed.append(
+            Weighed(variant.name, called(variant.name), variant.factor, variant.sentence, gain, telling, least, alone)
+        )
         progress(i / len(tried))
-    yield from _doubts(base, weighed, max(_GAIN, _EACH * len(read)), rough)
-
-
-def _doubts(
-    base: Weight, weighed: Sequence[tuple[Variant, float | None]], needed: float, rough: bool
-) -> Iterator[Finding]:
-    """What would make the recording likelier, best first, or that nothing does, or that nothing can be told."""
-    telling = [(variant, gain) for variant, gain in weighed if gain is not None and _tells(variant, base, rough)]
-    least = {v: needed * v.caution * (_ROUGH if rough and not v.mechanical else 1.0) for v, _ in telling}
-    better = sorted(((v, g) for v, g in telling if g > least[v]), key=lambda pair: -round(pair[1]))
-    if better:
-        named = "; or ".join(f"{variant.sentence} (log L {gain:+,.0f})" for variant, gain in better[:_NAMED])
-        likeliest, most = better[0]
-        if not (likeliest.mechanical or any(variant.name == "curves" for variant, _ in better)):
-            named += ", or with curves of another kind"
-        suspects = [Suspect(variant.name, variant.factor, variant.sentence, gain) for variant, gain in better]
-        yield Finding("muscles", f"the recording is likelier with {named}", most, True, suspects=suspects)
-    else:
-        best = max((gain for _, gain in telling), default=0.0)
-        yield Finding("muscles", f"no other number tried makes the recording likelier by {needed:.0f} in log L", best)
-    unknown = [
-        name for name in dict.fromkeys(v.name for v, _ in weighed) if _is_unknown(name, base, weighed, needed, rough)
-    ]
-    if unknown:
-        names = ", ".join(map(called, unknown))
-        yield Finding("untold", f"the recording cannot tell: {names}", float(len(unknown)))
-
-
-def _is_unknown(
-    name: str, base: Weight, weighed: Sequence[tuple[Variant, float | None]], needed: float, rough: bool
-) -> bool:
-    """Whether other values of a number are as likely."""
-    of = [(variant, gain) for variant, gain in weighed if variant.name == name]
-    return not _tells(of[0][0], base, rough) or all(gain is not None and abs(gain) <= needed for _, gain in of)
+    yield from doubts(weighed, needed)
+    if names := ", ".join(w.name for w in unknown(weighed, needed)):
+        yield Finding("untold", f"the recording cannot tell: {names}", float(names.count(", ") + 1))
 
 
 def _tells(variant: Variant, base: Weight, rough: bool) -> bool:
     """Whether the likelihood tells of a variant: by the muscles' law, if activations are as smooth as it takes them."""
-    return variant.mechanical or (base.says and (not rough or variant.name == _WHERE_ROUGH))
+    return variant.mechanical or (base.says and (not rough or variant.name == WHERE_ROUGH))
 
 
 def _form(inputs: Choice, activations: Choice, rough: bool) -> Finding:
@@ -98,7 +71,7 @@ def _form(inputs: Choice, activations: Choice, rough: bool) -> Finding:
     if gain > 0:
         words = "fits, so its numbers can be weighed"
         if rough:
-            words = f"fits, but activations jump: of its numbers {_WHERE_ROUGH} alone can be weighed"
+            words = f"fits, but activations jump: of its numbers {WHERE_ROUGH} alone can be weighed"
     return Finding("form", f"the muscles' law with smooth activations {words} (log L {gain:+,.0f})", gain)
 
 
@@ -111,7 +84,9 @@ def bias(case: Case, record: Record, inputs: Choice) -> Iterator[Finding]:
         shift = force / case.scales.force / record.slopes
         biased = {**estimates, "x3_hat": told[:, 2] + shift[:, 0], "x4_hat": told[:, 3] + shift[:, 1]}
         # activations before they are limited: at a limit they would not change
-        before, after = (compiled_muscles(record.curves).outputs(LAW, record.numbers, at) for at in (estimates, biased))
+        before, after = (
+            compiled_muscles(pair_system(record.curves)).outputs(LAW, record.numbers, at) for at in (estimates, biased)
+        )
         changes = [float(np.median(np.abs(after[name] - before[name]))) for name in ("a1_hat", "a2_hat")]
     if np.isfinite(changes).all():
         sentence = (

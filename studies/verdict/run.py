@@ -15,9 +15,12 @@ from ...model.skeleton.load import pull
 from ..estimate.run import KALMAN, estimate, recorded
 from ..files.progress import Progress, shares, unseen
 from ..kalman.run import AUTO, innovations
-from ..laboratory.muscles import MusclePair, read_muscles
+from ..laboratory.mechanisms.mechanism import Mechanism
+from ..laboratory.muscles import MusclePair
 from ..laboratory.recording import Recording, read_recording
+from ..laboratory.subject import Subject, subject_of
 from ..scenarios.layers import Value
+from .apart import findings as apart
 from .checks import UNMEASURED, of_estimates, of_measurements, of_sensors
 from .finding import Finding
 from .innovations import of_innovations
@@ -58,7 +61,7 @@ class Verdict:
 
 def verdict(
     recording: str | Path | Recording,
-    muscles: str | Path | MusclePair,
+    muscles: str | Path | MusclePair | Mechanism | Subject,
     mapping: Mapping[str, str] | None = None,
     progress: Progress | None = None,
     changes: Mapping[str, Value] | None = None,
@@ -70,20 +73,27 @@ def verdict(
     takes them. Every sample is looked at; of more than 4,000 those in the middle say how likely other muscles are.
     RecordingError, ScenarioError for what cannot be a recording of these muscles at all.
     """
-    pair = muscles if isinstance(muscles, MusclePair) else read_muscles(muscles)
-    read = recording if isinstance(recording, Recording) else read_recording(recording, mapping)
+    subject = subject_of(muscles)
+    read = recording if isinstance(recording, Recording) else read_recording(recording, mapping, None, subject.columns)
     following, weighing = shares(progress or unseen, [_ESTIMATE, _WEIGH])
-    return judged(read, pair, estimate(read, pair, KALMAN, changes=changes, progress=following, form=form), weighing)
+    estimates = estimate(read, subject, KALMAN, changes=changes, progress=following, form=form)
+    return judged(read, subject, estimates, weighing)
 
 
-def judged(read: Recording, pair: MusclePair, estimates: xr.Dataset, progress: Progress) -> Verdict:
+def judged(
+    read: Recording, muscles: MusclePair | Mechanism | Subject, estimates: xr.Dataset, progress: Progress
+) -> Verdict:
     """The verdict on a recording and on the estimates that `estimate` has made of it, `kalman` among the observers."""
-    middle = _middle(read)
+    subject, middle = subject_of(muscles), _middle(read)
     between = float(middle.time[0]), float(middle.time[-1])
-    findings = list(of_all(read, pair, estimates))
+    pair = subject.pair
+    findings = list(of_all(read, pair, estimates) if pair else apart.of_all(read, subject, estimates))
     weighed = 0 if any(_forbids(finding, between) for finding in findings) else len(middle)
     if weighed:
-        findings += of_muscles(middle, pair, json.loads(estimates.attrs["fits"])[KALMAN], progress)
+        fit = json.loads(estimates.attrs["fits"])[KALMAN]
+        findings += (
+            of_muscles(middle, pair, fit, progress) if pair else apart.of_muscles(middle, subject, fit, progress)
+        )
     return Verdict(findings, len(read), weighed, between)
 
 

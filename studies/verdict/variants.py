@@ -24,13 +24,13 @@ class Variant:
 
 
 # number of a muscle → the factors that are tried, and what it is called
-_FACTORS = {
+FACTORS = {
     "optimal_fibre_length": ((0.95, 1.05), "optimal fibre lengths"),
     "tendon_slack_length": ((0.98, 1.02), "tendon slack lengths"),
     "F_max": ((0.5, 0.9, 1.1, 2.0), "F_max"),
     "v_max": ((0.2, 0.5, 2.0, 5.0), "v_max"),
 }
-_MASSES = (0.1, 0.5, 2.0, 10.0)
+MASSES = (0.1, 0.5, 2.0, 10.0)
 # those with sizes of their own
 _KINDS = (DEGROOTE_FREGLY2016, MILLARD2012, THELEN2003)
 _OTHERS = {
@@ -40,24 +40,24 @@ _OTHERS = {
     "mirrored": "from which wall position is measured",
 }
 # from here on a factor is no percentage; a muscle so far from the file's must gain more to be named
-_TIMES, _CAUTION = 1.5, 2.0
+_TIMES, CAUTION = 1.5, 2.0
 
 
 def variants(recording: Recording, pair: MusclePair) -> Iterator[Variant]:
     """All that is tried, both muscles alike."""
-    for name, (factors, called) in _FACTORS.items():
+    for name, (factors, called) in FACTORS.items():
         for factor in factors:
             first, second = (_scaled(muscle, name, factor) for muscle in (pair.muscle1, pair.muscle2))
-            other, caution = replace(pair, muscle1=first, muscle2=second), 1.0 if _is_close(factor) else _CAUTION
-            yield Variant(name, f"{called} {_by(factor)}", recording, other, False, caution, factor)
+            other, caution = replace(pair, muscle1=first, muscle2=second), 1.0 if is_close(factor) else CAUTION
+            yield Variant(name, f"{called} {by(factor)}", recording, other, False, caution, factor)
     for curves in _KINDS:
         if {pair.muscle1.curves.name, pair.muscle2.curves.name} != {curves.name}:
             first, second = (_with_curves(muscle, curves) for muscle in (pair.muscle1, pair.muscle2))
             other = replace(pair, muscle1=first, muscle2=second)
             yield Variant("curves", f"the curves of {curves.name}", recording, other)
-    for factor in _MASSES:
+    for factor in MASSES:
         heavier = replace(pair, mass=pair.mass * factor)
-        yield Variant("mass", f"a mass {_by(factor)}", recording, heavier, mechanical=True, factor=factor)
+        yield Variant("mass", f"a mass {by(factor)}", recording, heavier, mechanical=True, factor=factor)
     swapped = recording.remeasured(force_1=recording["force_2"], force_2=recording["force_1"])
     yield Variant("swapped", "the muscles swapped", swapped, pair, mechanical=True)
     # of muscles that are alike that is the same
@@ -69,7 +69,7 @@ def variants(recording: Recording, pair: MusclePair) -> Iterator[Variant]:
 
 def called(name: str) -> str:
     """What is tried, as a sentence calls it."""
-    return _FACTORS[name][1] if name in _FACTORS else _OTHERS[name]
+    return FACTORS[name][1] if name in FACTORS else _OTHERS[name]
 
 
 def _scaled(muscle: Muscle, name: str, factor: float) -> Muscle:
@@ -82,12 +82,13 @@ def _with_curves(muscle: Muscle, curves: CurveSet) -> Muscle:
     return replace(muscle, curves=curves, numbers=numbers, sds={})
 
 
-def _by(factor: float) -> str:
+def by(factor: float) -> str:
     """`5 % larger`, or `2 times as large`."""
-    if not _is_close(factor):
+    if not is_close(factor):
         return f"{factor:g} times as large"
     return f"{abs(factor - 1):.0%} {'larger' if factor > 1 else 'smaller'}"
 
 
-def _is_close(factor: float) -> bool:
+def is_close(factor: float) -> bool:
+    """Whether it is a percentage rather than so many times."""
     return 1 / _TIMES < factor < _TIMES

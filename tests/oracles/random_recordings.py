@@ -5,8 +5,8 @@ coefficients; the activation follows an excitation as in Thelen, Journal of Biom
 """
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -14,8 +14,12 @@ from scipy.integrate import solve_ivp
 
 from hillobs.model.arrays import Array
 from hillobs.model.curves import CURVES
+from hillobs.model.skeleton.paths import constant_moment_arms
+from hillobs.model.skeleton.tree import GROUND, SLIDER, Joint, Link, Tree
+from hillobs.studies.laboratory.mechanisms.mechanism import Mechanism
 from hillobs.studies.laboratory.muscles import Muscle, MusclePair
 from hillobs.studies.laboratory.recording import Recording
+from hillobs.studies.laboratory.subject import subject_of
 
 KINDS = ("sines", "random", "abrupt")
 RATES = (100.0, 200.0, 500.0, 1000.0)
@@ -237,3 +241,24 @@ def _recorded(random: np.random.Generator, seed: int, truth: dict[str, Array], p
         true=known,
         rows=np.arange(1, n + 1),
     )
+
+
+def as_mechanism(one: Drawn) -> tuple[Recording, Mechanism]:
+    """The same recording of a slider between two muscles A and B of the lengths q and C − q."""
+    pair, recording = one.pair, one.recording
+    tree = Tree({"block": Link(pair.mass)}, {"x": Joint(GROUND, "block", SLIDER, (1.0, 0.0, 0.0), range=(0.0, pair.C))})
+    paths = {"A": constant_moment_arms(0.0, {"x": -1.0}), "B": constant_moment_arms(pair.C, {"x": 1.0})}
+    mechanism = Mechanism(tree, {"A": pair.muscle1, "B": pair.muscle2}, paths)
+
+    def renamed(columns: Mapping[str, Array]) -> dict[str, Array]:
+        """`force_1` as `force_A`, `position` as `position_x`."""
+        ends = {"1": "A", "2": "B"}
+        parts = {name: name.rpartition("_") for name in columns}
+        return {
+            f"{stem}_{ends[end]}" if end in ends else f"{name}_x": columns[name]
+            for name, (stem, _, end) in parts.items()
+        }
+
+    measured, true = renamed(recording.measured), renamed(recording.true)
+    columns = subject_of(mechanism).columns
+    return replace(recording, measured=measured, true=true, columns=columns), mechanism

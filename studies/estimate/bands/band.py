@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....model.arrays import Array
-from ....model.symbols import STATES
-from ....observers.behind.spread import FIBRES, sd
+from ....model.symbols import hat
+from ....observers.behind.spread import sd
 from ..case import Case, Result
 from .muscle import muscle_parts
 from .taut import taut
@@ -62,22 +62,32 @@ def deviations(case: Case, results: Mapping[str, Result], units: Mapping[str, st
 
 def _states(case: Case, results: Sequence[Result]) -> dict[str, Array]:
     """What the covariance of an observer tells, NaN if it tells none; nothing if none does."""
-    s, told = case.scales, [result.y for result in results if sd("x1") in result.y]
+    s, subject, system = case.scales, case.subject, case.subject.system
+    first = sd(system.states[0])
+    told = [result.y for result in results if first in result.y]
     if not told:
         return {}
-    unknown = np.full_like(told[0][sd("x1")], np.nan)
+    unknown = np.full_like(told[0][first], np.nan)
 
-    def stacked(*names: str) -> Array:
-        return np.stack([np.stack([r.y.get(sd(n), unknown) for n in names], axis=-1) for r in results])
+    def stacked(names: Sequence[str]) -> Array:
+        return np.stack([np.stack([r.y.get(name, unknown) for name in names], axis=-1) for r in results])
 
+    def sds(names: Sequence[str]) -> Array:
+        return stacked([sd(name) for name in names])
+
+    q, L_S = (stacked([hat(name) for name in names]) for names in (system.joint("q"), system.muscle("L_S")))
+    # σ of M Δ, of which each joint's has nothing in common with the others
+    Delta = sds(system.joint("Delta"))
+    parts = (subject.disturbance(q, Delta * own) for own in np.eye(len(system.joints)))
+    _, along = subject.fibres(q, L_S)
     return {
-        "position": s.metres(stacked("x1")),
-        "velocity": s.velocity(stacked("x2")),
-        "disturbance": case.subject.disturbance(0 * stacked("x1"), stacked("Delta")),
-        "tendon_length": s.metres(stacked(*STATES[2:])),
-        "fibre_length": s.metres(stacked(*FIBRES)),
-        "fibre_velocity": s.velocity(stacked("u1", "u2")),
-        "activation": stacked("a1", "a2"),
+        "position": s.positions(sds(system.joint("q"))),
+        "velocity": s.velocities(sds(system.joint("dq"))),
+        "disturbance": np.abs(functools.reduce(np.hypot, parts)),
+        "tendon_length": s.metres(sds(system.muscle("L_S"))),
+        "fibre_length": s.metres(sds(system.muscle("L_C"))),
+        "fibre_velocity": s.velocity(sds(system.muscle("u"))) * along,
+        "activation": sds(system.muscle("a")),
     }
 
 

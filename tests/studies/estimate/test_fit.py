@@ -8,7 +8,8 @@ import pytest
 
 import hillobs
 from hillobs.studies.laboratory.recording import Recording
-from shipped_recording import MUSCLES, write_measured
+from places import DATA
+from shipped_recording import HINGE, MUSCLES, write_measured
 
 pytestmark = pytest.mark.numerics
 
@@ -41,10 +42,27 @@ def test_what_is_found_in_a_recording_is_taken_by_estimate(recorded: Command, sh
     assert '"kalman.s_D": 0.5' in hillobs.load("estimates/estimates.nc").attrs["gains"]
 
 
+def test_what_is_found_in_a_mechanism_is_taken_by_estimate(command: Command) -> None:
+    recording = DATA / "hinge_pair_noisy.csv.gz"
+    code, out, err = command("fit", str(recording), "--mechanism", str(HINGE))
+    assert (code, err) == (0, "")
+    assert "elbow Δ 3" in out
+    (path,) = Path("results").glob("fitted-*.toml")
+    assert "--mechanism FILE.toml --observer kalman --set THIS_FILE" in path.read_text()
+    of_hinge = ("--mechanism", str(HINGE), "--observer", "kalman", "--form", "u", "--no-figures", "--no-verdict")
+    assert command("estimate", str(recording), *of_hinge, "--set", str(path))[::2] == (0, "")
+    given, found = hillobs.load("estimates/estimates.nc"), hillobs.estimate(recording, HINGE, "kalman", form="u")
+    assert given.attrs["gains"] == found.attrs["gains"]
+    np.testing.assert_array_equal(given.activation_hat, found.activation_hat)
+
+
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        (("fit", "short.csv"), "'short.csv': a recording needs its muscles (--muscles) to be followed"),
+        (
+            ("fit", "short.csv"),
+            "'short.csv': a recording needs its muscles (--muscles) or mechanism (--mechanism) to be followed",
+        ),
         (
             ("fit", "paper-clean", "--map", "position=x"),
             "a mapping (--map) names columns of a recording, and a scenario",

@@ -134,7 +134,11 @@ def test_what_is_wrong_is_one_sentence(tmp_path: Path, command) -> None:
     without = {name: values for name, values in few.items() if name != "force_BRA"}
     assert "there is no column force_BRA" in told(without, *of_hinge)
     assert "F_max is 987.26 N; is it in another unit?" in told({**few, "force_BRA": 1e3 * few["force_BRA"]}, *of_hinge)
-    assert "not made of chains" in told(few, *of_hinge, "--observer", "kalman")
+    fewer = {name: values[:40] for name, values in few.items()}
+    assert "40 rows of numbers" in told(fewer, *of_hinge, "--observer", "kalman")
+    assert "longer than the recording" in told(few, *of_hinge, "--observer", "kalman", "--lag", "2s")
+    assert "unknown path" in told(few, *of_hinge, "--observer", "kalman", "--set", "kalman.s_D=0.1")
+    assert "kalman.elbow.order_D" in told(few, *of_hinge, "--observer", "kalman", "--set", "kalman.elbow.order_D=4")
     assert "one of them" in told(few)
     assert "one of them" in told(few, *of_hinge, "--muscles", str(MUSCLES))
     assert "unknown number 'mass' in doubt" in told(few, *of_hinge, "--doubt", "mass=3%")

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from hillobs.model.system import pair_system
 from hillobs.observers.ports import ESTIMATES
 from hillobs.studies.estimate.run import estimate
 from hillobs.studies.estimate.scores import SETTLED
@@ -58,7 +59,9 @@ def test_what_is_drawn_moves_as_the_equations_say() -> None:
             known[f"x{j + 2}_hat"] = s.lengths(true[f"tendon_length_{j}"])
             known[f"u{j}_hat"] = -true[f"fibre_velocity_{j}"] / (s.length * s.rate)
         numbers = {path.removeprefix("plant."): value for path, value in s.numbers.items()}
-        found = compiled_muscles(pair.curves).outputs(ACTIVATION, {"u_low": -5, "u_high": 0.95, **numbers}, known)
+        found = compiled_muscles(pair_system(pair.curves)).outputs(
+            ACTIVATION, {"u_low": -5, "u_high": 0.95, **numbers}, known
+        )
         for j in (1, 2):
             np.testing.assert_allclose(found[f"a{j}_hat"], true[f"activation_{j}"], rtol=1e-9)
         # ∫v dt by the trapezoidal rule, whose error is below T² max|dv/dt|/12 per s

@@ -8,25 +8,26 @@ from .....observers import label
 from ....estimate.fit import Fitted
 from ....estimate.run import KALMAN
 from ....files.toml import toml_value
-from .likelihood import orders
+from .likelihood import orders_of_inputs
 
 _OF_SCENARIO = "hillobs simulate THIS_FILE"
-_OF_RECORDING = "hillobs estimate RECORDING --muscles FILE.toml --observer kalman --set THIS_FILE"
+_OF_RECORDING = "hillobs estimate RECORDING --{kind} FILE.toml --observer kalman --set THIS_FILE"
 
 
 def sentences(found: Fitted) -> Iterator[str]:
     """The orders and why, then the numbers."""
     yield f"{found.label}: {found.samples:,} samples"
-    yield f"{label(KALMAN)}: orders by maximum likelihood: {orders(found.choice, 'u')}"
+    yield f"{label(KALMAN)}: orders by maximum likelihood: {orders_of_inputs(found.choice)}"
     numbers = (f"{path.partition('.')[2]} = {value:.3g}" for path, value in found.numbers.items())
     yield f"{label(KALMAN)}: noise from the samples, densities by maximum likelihood: {', '.join(numbers)}"
 
 
 def scenario_file(found: Fitted) -> str:
     """The scenario with the numbers, or the numbers alone, as TOML that says what it is for."""
+    kind = "mechanism" if "chains" in found.choice else "muscles"
     lines = [
         f"# for {found.label}: the numbers of the Kalman filter for which what was measured is likeliest",
-        f"# {_OF_SCENARIO if found.scenario else _OF_RECORDING}",
+        f"# {_OF_SCENARIO if found.scenario else _OF_RECORDING.format(kind=kind)}",
     ]
     lines += [f"{path} = {toml_value(value)}" for path, value in {**found.scenario, **found.numbers}.items()]
     return "\n".join(lines) + "\n"

@@ -5,15 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+_LAW = "activations as states"
+
 
 def decisions(fit: Mapping[str, Any], settings: Mapping[str, Any]) -> Iterator[str]:
     """Orders, densities and form of a Kalman filter, and what its estimates know."""
-    inputs = fit["u"]
-    yield f"densities and orders by maximum likelihood: {orders(inputs, 'u')}"
-    if "a" in fit:
-        gain = fit["a"]["log_likelihood"] - inputs["log_likelihood"]
-        taken = "taken" if fit["form"] == "a" else "not taken"
-        yield f"activations as states, {taken}: {orders(fit['a'], 'a')}; log L {gain:+,.0f}"
+    yield f"densities and orders by maximum likelihood: {orders_of_inputs(fit)}"
+    yield from _of_chains(fit["chains"]) if "chains" in fit else _of_pair(fit)
     if settings["smooth"]:
         yield "smoothed: each estimate knows all samples"
     elif fit["lag"]:
@@ -29,10 +27,50 @@ def _time(seconds: float) -> str:
 def orders(choice: Mapping[str, Any], second: str) -> str:
     """The orders of Δ and of the `second` input, how likely others are, and why a likelier one is not taken."""
     D, other = choice["orders"]
+    return f"Δ {D}, {second} {other}{_others(choice)}"
+
+
+def orders_of_inputs(fit: Mapping[str, Any]) -> str:
+    """The same of the first pass, of a mechanism by the names of its joints and muscles."""
+    if "chains" not in fit:
+        return orders(fit["u"], "u")
+    inputs = {of: chain["u"] for of, chain in fit["chains"].items()}
+    return ", ".join(
+        f"{of} {'Δ' if 'order_D' in u['numbers'] else 'u'} {u['orders'][0]}{_others(u)}" for of, u in inputs.items()
+    )
+
+
+def _of_pair(fit: Mapping[str, Any]) -> Iterator[str]:
+    if "a" in fit:
+        yield f"{_LAW}, {_taken(fit)}: {orders(fit['a'], 'a')}; log L {_gain(fit):+,.0f}"
+
+
+def _of_chains(fits: Mapping[str, Mapping[str, Any]]) -> Iterator[str]:
+    law = {of: fit for of, fit in fits.items() if "a" in fit}
+    for taken in ("taken", "not taken"):
+        told = (
+            f"{of}: a {fit['a']['orders'][0]}{_others(fit['a'])}; log L {_gain(fit):+,.0f}"
+            for of, fit in law.items()
+            if _taken(fit) == taken
+        )
+        if words := ", ".join(told):
+            yield f"{_LAW}, {taken} for {words}"
+
+
+def _taken(fit: Mapping[str, Any]) -> str:
+    return "taken" if fit["form"] == "a" else "not taken"
+
+
+def _gain(fit: Mapping[str, Any]) -> float:
+    return float(fit["a"]["log_likelihood"] - fit["u"]["log_likelihood"])
+
+
+def _others(choice: Mapping[str, Any]) -> str:
+    taken = ",".join(map(str, choice["orders"]))
     others = [
         f"{tried} {(gain := value - choice['log_likelihood']):+,.0f}"
         + (f", not the {choice['needed'][tried]:,.0f} it must gain" if gain > 0 else "")
         for tried, value in choice["tried"].items()
-        if tried != f"{D},{other}"
+        if tried != taken
     ]
-    return f"Δ {D}, {second} {other}" + (f" (log L of {'; '.join(others)})" if others else "")
+    return f" (log L of {'; '.join(others)})" if others else ""
