@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import casadi as ca
@@ -61,55 +61,14 @@ def follower(bank: Bank, clock: Clock, prefix: str) -> Follower:
     (given,) = bank.observers
     if given.per_step:
         raise BlockError(f"{given.name}: it moves at the points of a time grid, and samples have none")
-    block, absolute = without_clocks(given)
-    seen = (*bank.measured, *bank.front.y)
-    table, front = functions(block, (), seen), functions(bank.front, (), bank.measured)["out"]
-    parts = [len(block.x), int(absolute), len(bank.measured), len(bank.front.y)]
-    s, p, u = ca.SX.sym("s", sum(parts)), ca.SX.sym("p", len(block.p)), ca.SX.sym("u", len(bank.measured))
-    x, t, y, z = ca.vertsplit(s, [0, *itertools.accumulate(parts)])
-    d, i = ca.SX.sym("d"), ca.SX.sym("i")
-    begun = t if absolute else ca.SX(0)
-    p_front = p[[list(block.p).index(name) for name in bank.front.p]]
-    now = u / ca.vertcat(*(clock.scales.get(name, 1.0) for name in bank.measured))
-
-    def told(measured: ca.SX) -> ca.SX:
-        """What the front makes of measurements."""
-        return front(begun, [], p_front, [], measured)[0]
-
-    m = ca.SX.sym("m", parts[0] + parts[3])
-    delta, seen_from = ca.vertsplit(m, [0, parts[0], m.numel()])
-    first = ca.vertcat(now, told(now))
-    made = {
-        "start": ([p, u], [ca.vertcat(table["init"](0, p, [], first), ca.SX(int(absolute), 1), first)]),
-        "depart": ([s], [ca.vertcat(ca.SX(parts[0], 1), z)]),
-    }
-    if clock.substeps:
-        h = clock.period / clock.substeps
-        # y(τ) = y_{k−1} + (y_k − y_{k−1}) (i + c)/n
-        line = {c: y + (now - y) * ((i + c) / clock.substeps) for c in NODES}
-        made_of_it = {c: told(there) if c else seen_from for c, there in line.items()}
-        stages = [ca.vertcat(line[c], made_of_it[c]) for c in NODES]
-        moved, _ = functions(_shifted(block), [*map(_base, block.x)], seen)["step"](
-            begun + i * h, h, delta, p, x, ca.horzcat(*stages)
-        )
-        made["advance"] = ([i, p, s, u, m], [ca.vertcat(moved, made_of_it[NODES[-1]])])
-    there = ca.vertcat(now, seen_from if clock.substeps else told(now))
-    at, x = begun + d * clock.period, x + delta
-    if "sample" in table:
-        x = summed_apart(table["sample"], "x")(at, x, p, [], there)
-    y, domain = table["out"](at, x, p, [], there)
-    guards = table["watch"](at, x, p, [], there)
-    magnitudes = ca.fabs(ca.vertcat(x, y)) * table["scales"](clock.period / max(clock.substeps, 1), p)
-    sane = ca.vertsplit(ca.fabs(now) < _BEYOND)
-    fine = _all([*sane, *ca.vertsplit(magnitudes <= 1), *ca.vertsplit(domain > 0)])
-    e = ca.vertcat(y * ca.vertcat(*(clock.scales.get(name, 1.0) for name in block.y)), guards)
-    arrived = ca.vertcat(x, at if absolute else ca.SX(0, 1), there)
-    made["arrive"] = ([d, p, s, u, m], [arrived, e, fine, _any(ca.vertsplit(guards))])
+    parts = _Parts(bank, given, clock)
+    between = {"advance": parts.advance()} if clock.substeps else {}
+    made = {"start": parts.start(), "depart": parts.depart(), **between, "arrive": parts.arrive()}
     return Follower(
-        block=block,
-        states=(*block.x, *[TIME] * absolute, *seen),
+        block=parts.block,
+        states=(*parts.block.x, *[TIME] * parts.absolute, *parts.seen),
         inputs=bank.measured,
-        estimates=(*block.y, *block.guards),
+        estimates=(*parts.block.y, *parts.block.guards),
         functions={
             role: without_literals(
                 ca.Function(f"{prefix}_{role}", inputs, ca.cse([ca.densify(output) for output in outputs]))
@@ -117,6 +76,79 @@ def follower(bank: Bank, clock: Clock, prefix: str) -> Follower:
             for role, (inputs, outputs) in made.items()
         },
     )
+
+
+# arguments and results of a function
+Ends = tuple[list[ca.SX], list[ca.SX]]
+
+
+class _Parts:
+    """The functions of a Follower in its symbols."""
+
+    def __init__(self, bank: Bank, given: Block, clock: Clock) -> None:
+        self.bank, self.clock = bank, clock
+        self.block, self.absolute = without_clocks(given)
+        self.seen = (*bank.measured, *bank.front.y)
+        self.roles = functions(self.block, (), self.seen)
+        states, front = len(self.block.x), len(bank.front.y)
+        sizes = [states, int(self.absolute), len(bank.measured), front]
+        self.s, self.p, self.u = (
+            ca.SX.sym(name, size) for name, size in zip("spu", (sum(sizes), len(self.block.p), sizes[2]), strict=True)
+        )
+        self.m, self.d, self.i = ca.SX.sym("m", states + front), ca.SX.sym("d"), ca.SX.sym("i")
+        self.x, self.t, self.y, self.z = ca.vertsplit(self.s, [0, *itertools.accumulate(sizes)])
+        self.moved, self.z_there = ca.vertsplit(self.m, [0, states, states + front])
+        # the last sample, on the Block's clock
+        self.begun = self.t if self.absolute else ca.SX(0)
+        self.now = self.u / self._units(bank.measured)
+
+    def start(self) -> Ends:
+        """The state at the first sample."""
+        first = ca.vertcat(self.now, self._told(self.now))
+        time = ca.SX(int(self.absolute), 1)
+        return [self.p, self.u], [ca.vertcat(self.roles["init"](0, self.p, [], first), time, first)]
+
+    def depart(self) -> Ends:
+        """No motion yet."""
+        return [self.s], [ca.vertcat(ca.SX(len(self.block.x), 1), self.z)]
+
+    def advance(self) -> Ends:
+        """One RK4 step."""
+        n = self.clock.substeps
+        h = self.clock.period / n
+        # y(τ) = y_{k−1} + (y_k − y_{k−1}) (i + c)/n
+        line = {c: self.y + (self.now - self.y) * ((self.i + c) / n) for c in NODES}
+        lengths = {c: self._told(there) if c else self.z_there for c, there in line.items()}
+        stages = ca.horzcat(*(ca.vertcat(line[c], lengths[c]) for c in NODES))
+        step = functions(_shifted(self.block), [*map(_base, self.block.x)], self.seen)["step"]
+        moved, _ = step(self.begun + self.i * h, h, self.moved, self.p, self.x, stages)
+        return [self.i, self.p, self.s, self.u, self.m], [ca.vertcat(moved, lengths[NODES[-1]])]
+
+    def arrive(self) -> Ends:
+        """What is told at a sample, and whether it can be."""
+        there = ca.vertcat(self.now, self.z_there if self.clock.substeps else self._told(self.now))
+        at, x = self.begun + self.d * self.clock.period, self.x + self.moved
+        if "sample" in self.roles:
+            x = summed_apart(self.roles["sample"], "x")(at, x, self.p, [], there)
+        y, domain = self.roles["out"](at, x, self.p, [], there)
+        guards = self.roles["watch"](at, x, self.p, [], there)
+        scales = self.roles["scales"](self.clock.period / max(self.clock.substeps, 1), self.p)
+        sane, within = ca.fabs(self.now) < _BEYOND, ca.fabs(ca.vertcat(x, y)) * scales <= 1
+        fine = _all(ca.vertsplit(ca.vertcat(sane, within, domain > 0)))
+        arrived = ca.vertcat(x, at if self.absolute else ca.SX(0, 1), there)
+        estimates = ca.vertcat(y * self._units(self.block.y), guards)
+        arguments = [self.d, self.p, self.s, self.u, self.m]
+        return arguments, [arrived, estimates, fine, _any(ca.vertsplit(guards))]
+
+    def _told(self, measured: ca.SX) -> ca.SX:
+        """What the front makes of measurements."""
+        front = self.bank.front
+        numbers = self.p[[list(self.block.p).index(name) for name in front.p]]
+        told: ca.SX = functions(front, (), self.bank.measured)["out"](self.begun, [], numbers, [], measured)[0]
+        return told
+
+    def _units(self, names: Iterable[str]) -> ca.SX:
+        return ca.SX(ca.vertcat(*(self.clock.scales.get(name, 1.0) for name in names)))
 
 
 def _base(state: str) -> str:
