@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import collections
 import contextlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 
 import casadi as ca
 
@@ -31,25 +31,38 @@ def lowered(expressions: Sequence[ca.SX], inputs: Sequence[ca.SX], reciprocals: 
     """
     f = ca.Function("f", inputs, [ca.densify(expression) for expression in expressions])
     divisors = _divisors(f)
-    work: dict[int, ca.SX] = {}
     inverses: dict[int, ca.SX] = {}
+
+    def operation(k: int, operands: list[ca.SX]) -> ca.SX:
+        if k not in divisors:
+            return _operation(f.instruction_id(k), operands, reciprocals)
+        divisor = operands[-1]
+        known = reciprocals.get(divisor.element_hash()) if divisor.is_symbolic() else None
+        inverse = inverses.setdefault(divisors[k], 1 / divisor if known is None else known)
+        return operands[0] * inverse if f.instruction_id(k) == ca.OP_DIV else inverse
+
+    return rewritten(f, inputs, expressions, operation)
+
+
+def rewritten(
+    f: ca.Function,
+    inputs: Sequence[ca.SX],
+    expressions: Sequence[ca.SX],
+    operation: Callable[[int, list[ca.SX]], ca.SX],
+) -> list[ca.SX]:
+    """The results of f, of the shapes of `expressions`, with `operation` in the place of each of its instructions."""
+    work: dict[int, ca.SX] = {}
     results = [[ca.SX(0)] * expression.numel() for expression in expressions]
     for k in range(f.n_instructions()):
-        operation = f.instruction_id(k)
         operands, targets = f.instruction_input(k), f.instruction_output(k)
-        if operation == ca.OP_OUTPUT:
+        if f.instruction_id(k) == ca.OP_OUTPUT:
             results[targets[0]][targets[1]] = work[operands[0]]
-        elif operation == ca.OP_INPUT:
+        elif f.instruction_id(k) == ca.OP_INPUT:
             work[targets[0]] = inputs[operands[0]]
-        elif operation == ca.OP_CONST:
+        elif f.instruction_id(k) == ca.OP_CONST:
             work[targets[0]] = ca.SX(f.instruction_constant(k))
-        elif k in divisors:
-            divisor = work[operands[-1]]
-            known = reciprocals.get(divisor.element_hash()) if divisor.is_symbolic() else None
-            inverse = inverses.setdefault(divisors[k], 1 / divisor if known is None else known)
-            work[targets[0]] = work[operands[0]] * inverse if operation == ca.OP_DIV else inverse
         else:
-            work[targets[0]] = _operation(operation, [work[i] for i in operands], reciprocals)
+            work[targets[0]] = operation(k, [work[i] for i in operands])
     return [
         ca.reshape(ca.vertcat(*entries), expression.shape) if entries else expression
         for entries, expression in zip(results, expressions, strict=True)
@@ -95,4 +108,9 @@ def _operation(operation: int, operands: Sequence[ca.SX], reciprocals: Mapping[i
             return first * reciprocal
         if operation == ca.OP_INV:
             return reciprocal
-    return ca.SX.unary(operation, first) if len(operands) == 1 else ca.SX.binary(operation, first, last)
+    return plain(operation, operands)
+
+
+def plain(operation: int, operands: Sequence[ca.SX]) -> ca.SX:
+    """An operation of CasADi as it is."""
+    return ca.SX.unary(operation, operands[0]) if len(operands) == 1 else ca.SX.binary(operation, *operands)

@@ -111,6 +111,7 @@ class Observer:
     gains: Gains = lambda sizes, T: {}
     rates: Rates | None = None  # its fastest; None: to be found from ∂ẋ/∂x
     limit: float = STABLE  # largest h · rate of an RK4 step
+    period: str = ""  # its number that is the sampling period, if it has one
     fitted: bool = False  # a recording is passed as a whole, to find its numbers by likelihood and to smooth
     apart: Callable[[System], Block] | None = None  # of other systems, what follows from its filters over a recording
 

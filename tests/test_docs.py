@@ -91,16 +91,22 @@ def arguments(line: str) -> list[str]:
     return [word for word in given if not word.startswith("[")]
 
 
-def command_of(name: str) -> click.Command:
-    command = commands.get_command(click.Context(commands), name)
-    assert command is not None, f"there is no `hillobs {name}`"
-    return command
+def command_of(given: list[str]) -> tuple[click.Command, list[str]]:
+    """The command, which may be one of a group, and the words after its name."""
+    command: click.Command = commands
+    words = list(given)
+    while isinstance(command, click.Group):
+        name = words.pop(0)
+        inner = command.get_command(click.Context(command), name)
+        assert inner is not None, f"there is no `hillobs {name}`"
+        command = inner
+    return command, words
 
 
 def parsed(given: list[str]) -> click.Context:
     """The command as click understands it; click.UsageError if it does not."""
-    name, *rest = given
-    return command_of(name).make_context(name, rest, parent=click.Context(commands))
+    command, rest = command_of(given)
+    return command.make_context(given[0], rest, parent=click.Context(commands))
 
 
 def commands_of(page: Path) -> list[list[str]]:
@@ -114,10 +120,8 @@ def test_the_commands_of_a_page_exist_with_their_options(page: Path, desk: Path)
     for given in commands_of(page):
         parsed(given)
     for line in NAMED.findall(page.read_text(encoding="utf-8")):
-        name, *rest = arguments(" ".join(line.split()))
-        options = {
-            option for parameter in command_of(name).params for option in (*parameter.opts, *parameter.secondary_opts)
-        }
+        command, rest = command_of(arguments(" ".join(line.split())))
+        options = {option for parameter in command.params for option in (*parameter.opts, *parameter.secondary_opts)}
         assert {word.partition("=")[0] for word in rest if word.startswith("-")} <= options | {"--help"}, line
 
 

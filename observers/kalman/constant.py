@@ -105,4 +105,4 @@ def gains(s: Sizes, T: float) -> Mapping[str, float]:
     return {"sigma_1": known.sigma_1, "sigma_L": known.sigma_L, **densities(known, T), "T": T}
 
 
-KALMAN_CONSTANT = Observer("KF const", chains, gains=gains, rates=rates, limit=LIMIT)
+KALMAN_CONSTANT = Observer("KF const", chains, gains=gains, rates=rates, limit=LIMIT, period="T")

@@ -17,8 +17,10 @@ from ...model.system import System
 from ...observers import Observer
 from ..files.errors import ScenarioError
 
+# periods of the muscles' own time 1/v_max between samples beyond which nothing can be followed
+LONGEST_PERIOD = 0.7
 # more means that the gains belong to other data
-_MOST = 1000
+MOST_STEPS = 1000
 # decimal fractions as doubles
 _ROUNDING = 1e-9
 
@@ -30,19 +32,21 @@ def substeps(
     numbers: Mapping[str, float],
     start: Mapping[str, float],
     T: float,
+    limit: float | None = None,
 ) -> int:
     """RK4 steps in a sampling period T of `block`, which `observer` has built, with these numbers (name → value).
 
     start: inputs at the first sample, for an observer that does not tell its rates; then the eigenvalues of ∂ẋ/∂x there
-    count. ScenarioError if no reasonable number of steps will do.
+    count. limit: the largest step times rate, the observer's own if not given. ScenarioError if no reasonable number of
+    steps will do.
     """
     rates = observer.rates_of(system, block.p)
     fastest = _spectral_radius(block, numbers, start) if rates is None else _fastest(block, rates, numbers)
-    n = T * fastest / observer.limit
-    if not n <= _MOST:
+    n = T * fastest / (observer.limit if limit is None else limit)
+    if not n <= MOST_STEPS:
         raise ScenarioError(
             f"the gains of {block.name} are too fast for samples {T:.3g} apart: they ask for {n:.3g} steps in between, "
-            f"{_MOST} at most"
+            f"{MOST_STEPS} at most"
         )
     return max(1, math.ceil(n - _ROUNDING))
 

@@ -1,0 +1,1 @@
+"""Observers for other programs: what is written of one, and the writers."""

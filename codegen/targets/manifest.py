@@ -1,0 +1,43 @@
+"""What a target says of an observer beside its functions: names, units, bounds and sentences of all numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import casadi as ca
+
+
+@dataclass(frozen=True)
+class Member:
+    """One number of an array: the Block's name for it, unit, bounds in words (or none) and what it is."""
+
+    name: str
+    unit: str
+    sentence: str
+    bounds: str = ""
+
+
+@dataclass(frozen=True, eq=False)  # functions have no usable ==
+class Manifest:
+    """An observer to be written for a target; all arrays in the order of its functions, those of `Follower`.
+
+    prefix: what the names of all functions begin with. columns: what tables call each input. period: in `time_unit`.
+    """
+
+    name: str
+    prefix: str
+    label: str
+    sentence: str
+    version: str
+    period: float
+    time_unit: str
+    substeps: int
+    units: str
+    state: Sequence[Member]
+    params: Sequence[Member]
+    input: Sequence[Member]
+    estimate: Sequence[Member]
+    defaults: Sequence[float]
+    columns: Sequence[str]
+    functions: Mapping[str, ca.Function]

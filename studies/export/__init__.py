@@ -1,0 +1,1 @@
+"""Observers for programs of others."""
