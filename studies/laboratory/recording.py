@@ -114,8 +114,10 @@ def read_recording(
     """
     if not isinstance(path, str | Path):
         raise RecordingError(f"a recording is a file's name or one that was read, not {shown(path)}")
+    given = table("mapping", mapping or {})
+    columns = {name: text(f"the column of {name} in mapping", column) for name, column in given.items()}
     try:
-        return _read(Path(path), mapping or {}, progress or unseen, known)
+        return _read(Path(path), columns, progress or unseen, known)
     except RecordingError as error:
         raise RecordingError(f"{path}: {error}") from error
 

@@ -1,10 +1,11 @@
 """A mapping says which column is which, from the command line or a file; a wrong one is a sentence."""
 
+import re
 from pathlib import Path
 
 import pytest
 
-from hillobs.studies.files.errors import RecordingError
+from hillobs.studies.files.errors import RecordingError, ScenarioError
 from hillobs.studies.laboratory.mapping import read_mapping
 from written_recording import HEAD, TABLE, numbers, reading, refusal
 
@@ -78,3 +79,17 @@ def test_a_mapping_file_is_checked(tmp_path: Path) -> None:
             read_mapping([str(path)])
     with pytest.raises(RecordingError, match="'position' is mapped twice, to 'a' and 'b'"):
         read_mapping(["position=a", "position=b"])
+
+
+@pytest.mark.parametrize(
+    ("mapping", "sentence"),
+    [
+        ({"position": Path("x")}, "the column of position in mapping must be a text"),
+        ({"position": None}, "the column of position in mapping must be a text, not None"),
+        ({3: "x"}, "a name in mapping must be a text"),
+        ("position=x", "mapping must be a dict, not 'position=x'"),
+    ],
+)
+def test_a_mapping_from_python_is_of_texts(mapping, sentence: str, folder: Path) -> None:
+    with pytest.raises(ScenarioError, match=re.escape(sentence)):
+        reading(folder, "time,position,force_1,force_2\n0,1,2,3\n1,1,2,3\n", mapping=mapping)
