@@ -173,6 +173,7 @@ WORDS = {
     "live": "live --muscles no.toml",
     "import": "import no.osim",
     "fit": "fit paper-clean",
+    "export": "export c --observer high_gain --period 0.005 --out c",
     "observability": "observability",
     "figures": "figures no.nc",
     "curves": "curves",
