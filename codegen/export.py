@@ -10,6 +10,7 @@ import casadi as ca
 
 from ..model.block import Block
 from .lowering import without_branches
+from .stepper import NODES, WEIGHTS
 
 _KERNEL = "hillobs.codegen.kernel"
 # what a block of the loop can do: arguments and results of each role, in the order of the kernel's calls
@@ -81,7 +82,13 @@ def export_blocks(
 
 
 def _lanes() -> list[str]:
-    return [_kernel("lanes.hpp"), _kernel("functions.hpp"), _kernel("stages.hpp")]
+    # those of the stepper, which has them
+    nodes, weights = (", ".join(map(repr, numbers)) for numbers in (NODES, WEIGHTS))
+    stages = "".join(
+        f"static const double {name}[] __attribute__((unused)) = {{{numbers}}};\n"
+        for name, numbers in (("NODES", nodes), ("WEIGHTS", weights))
+    )
+    return [_kernel("lanes.hpp"), _kernel("functions.hpp"), stages, _kernel("stages.hpp")]
 
 
 def _casadi(linkage: str, functions: Sequence[ca.Function]) -> str:

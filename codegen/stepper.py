@@ -10,7 +10,7 @@ from ..model.block import STEP, Block, BlockError, Symbols
 
 # RK4: where each stage is taken and what it weighs
 NODES = (0.0, 0.5, 0.5, 1.0)
-_WEIGHTS = (1 / 6, 1 / 3, 1 / 3, 1 / 6)
+WEIGHTS = (1 / 6, 1 / 3, 1 / 3, 1 / 6)
 STAGES = len(NODES)
 # what has no limit of its own: the sum of its squares over 10⁹ steps is a number still
 _LARGEST = 1e145
@@ -96,7 +96,7 @@ def _step(
     """One RK4 step; a staged input that the block holds keeps the value of the first stage."""
     stages = ca.SX.sym("staged", len(held), STAGES)
     k, after, outputs = ca.SX(0), x, []
-    for i, (node, weight) in enumerate(zip(NODES, _WEIGHTS, strict=True)):
+    for i, (node, weight) in enumerate(zip(NODES, WEIGHTS, strict=True)):
         # kᵢ = f(t + cᵢh, x + cᵢh kᵢ₋₁),  x⁺ = x + h Σ bᵢkᵢ
         seen = ca.vertcat(*(stages[j, 0 if keep else i] for j, keep in enumerate(held))) if held else stages[:, i]
         k, y = rhs(t + node * h, x + node * h * k, p, w, seen)

@@ -8,7 +8,7 @@ from .block import STEP, Symbols
 from .system import System
 
 # signal → how many times a time divides the length or angle that it is: lengths, velocities, an acceleration
-_OF_JOINT, _OF_MUSCLE = {"q": 0, "dq": 1, "Delta": 2}, {"L_S": 0, "u": 1}
+ORDERS_OF_JOINT, ORDERS_OF_MUSCLE = {"q": 0, "dq": 1, "Delta": 2}, {"L_S": 0, "u": 1}
 # largest length, in C: a value within the domain and an error of its size, 1 each
 _ROOM = 2.0
 # RK4 is stable up to h · rate = 2.78 on the real axis; 10 % margin
@@ -22,7 +22,7 @@ def limits(system: System, names: Iterable[str], p: Symbols) -> Symbols:
     """
     scales = {
         system.name(signal, of): (system.reach(of, p), order)
-        for owners, orders in ((system.joints, _OF_JOINT), (system.muscles, _OF_MUSCLE))
+        for owners, orders in ((system.joints, ORDERS_OF_JOINT), (system.muscles, ORDERS_OF_MUSCLE))
         for of in owners
         for signal, order in orders.items()
     }

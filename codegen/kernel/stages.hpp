@@ -1,8 +1,5 @@
 // A step of RK4 out of its stages, where one function for all four would be too large for a compiler.
 
-static const double NODES[] __attribute__((unused)) = {0, 0.5, 0.5, 1};
-static const double WEIGHTS[] __attribute__((unused)) = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
-
 // k_i = f(t + c_i h, x + c_i h k_{i−1}),  x⁺ = x + h Σ b_i k_i; B::stage gives h k_i
 template <class B>
 static __attribute__((noinline)) void by_stages(const V *t, const V *c, const V *x, const V *held, const V *staged,

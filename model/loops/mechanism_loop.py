@@ -40,24 +40,25 @@ def mechanism_loop(system: System, drive: str, tracked: Sequence[str], rate: flo
     connections: dict[str, str | float] = {}
     names = {f"plant.{key}": key for key in (*plant.x, *plant.y, *plant.p, *plant.guards)}
 
-    def add(part: Block, prefix: str) -> None:
+    def add(block: Block, name: str, prefix: str) -> None:
+        (part,) = many(block, [name])
         parts.append(part)
         names.update({f"{part.name}.{key}": f"{prefix}.{key}" for key in (*part.p, *part.y)})
 
     for i, joint in enumerate(system.joints):
-        add(*_copy(uncertainty(0.0, _CHOSEN), f"uncertainty{i}", f"uncertainty.{joint}"))
+        add(uncertainty(0.0, _CHOSEN), f"uncertainty{i}", f"uncertainty.{joint}")
         connections[f"uncertainty{i}.t"] = "t"
         connections[f"plant.{system.name('Delta', joint)}"] = f"uncertainty{i}.Delta"
         names[f"uncertainty{i}.Delta"] = system.name("Delta", joint)
     told = [*system.muscle("taut"), *system.muscle("Phi_S")]
     if drive in _GIVEN:
         signals = signals_of(_GIVEN[drive], system.muscles)
-        add(signals, signals.name)
+        add(signals, signals.name, signals.name)
         connections[f"{signals.name}.t"] = "t"
         for i, muscle in enumerate(system.muscles):
             source = f"{signals.name}.{muscle}"
             if drive == "excited":
-                add(*_copy(activation_dynamics(rate), f"dynamics{i}", f"dynamics.{muscle}"))
+                add(activation_dynamics(rate), f"dynamics{i}", f"dynamics.{muscle}")
                 names |= {f"dynamics{i}.a": f"dynamics.{muscle}.a"}
                 connections[f"dynamics{i}.e"], source = source, f"dynamics{i}.a"
             connections[f"plant.{system.name('a', muscle)}"] = source
@@ -70,7 +71,7 @@ def mechanism_loop(system: System, drive: str, tracked: Sequence[str], rate: flo
             connections[f"controller.{system.name('Delta', joint)}"] = f"uncertainty{i}.Delta"
             connections[f"controller.dDelta.{joint}"] = f"uncertainty{i}.dDelta"
         for i, name in enumerate(tracked):
-            add(*_copy(reference(0.0, 0.0, _CHOSEN), f"reference{i}", f"reference.{name}"))
+            add(reference(0.0, 0.0, _CHOSEN), f"reference{i}", f"reference.{name}")
             connections[f"reference{i}.t"] = "t"
             connections |= {f"controller.{kind}.{name}": f"reference{i}.{kind}" for kind in REFERENCES}
             names[f"reference{i}.r"] = f"r.{name}"
@@ -82,11 +83,6 @@ def mechanism_loop(system: System, drive: str, tracked: Sequence[str], rate: flo
     truth = _with_largest_stiffness(_starting(truth, system), stiff)
     bounds = limits(system, [*truth.x, *truth.y], truth.p)
     return replace(truth, limits=Symbols({**truth.limits, **bounds}))
-
-
-def _copy(block: Block, name: str, prefix: str) -> tuple[Block, str]:
-    (copy,) = many(block, [name])
-    return copy, prefix
 
 
 def _starting(truth: Block, system: System) -> Block:

@@ -33,15 +33,13 @@ _CHOSEN = "chosen, docs/mechanisms.md#simulations"
 
 def signals_of(kind: str, muscles: Iterable[str]) -> Block:
     """For each muscle offset + amplitude sin(frequency τ + phase), within [0, 1]; its outputs are named after them."""
-    u = symbols("t")
+    u, p, y = symbols("t"), Symbols(), Symbols()
     parameters: dict[str, Parameter] = {}
     for muscle in muscles:
         numbers = signal(0.2, 0.1, 0.5, f"the {kind} of {muscle}", _CHOSEN)
-        phase = Parameter(0.0, f"phase of the {kind} of {muscle}", _CHOSEN, "rad")
-        parameters |= {f"{muscle}.{key}": number for key, number in {**numbers, "phase": phase}.items()}
-    p = symbols(parameters)
-    y = Symbols()
-    for muscle in dict.fromkeys(key.rpartition(".")[0] for key in parameters):
-        of = p.part(muscle)
-        y[muscle] = clamp(of.offset + of.amplitude * ca.sin(of.frequency * u.t + of.phase), 0, 1)
+        of = {**numbers, "phase": Parameter(0.0, f"phase of the {kind} of {muscle}", _CHOSEN, "rad")}
+        own = symbols(of)
+        y[muscle] = clamp(own.offset + own.amplitude * ca.sin(own.frequency * u.t + own.phase), 0, 1)
+        parameters |= {f"{muscle}.{key}": number for key, number in of.items()}
+        p |= {f"{muscle}.{key}": symbol for key, symbol in own.items()}
     return Block(kind, u=u, p=p, parameters=parameters, y=y)

@@ -11,9 +11,10 @@ from pathlib import Path
 import click
 
 from ...model.block import Block
+from ..estimate.start import refuse_foreign
 from ..files.datasets.netcdf import load
 from ..files.errors import RecordingError, ResultError, ScenarioError
-from ..files.quote import escaped, shown
+from ..files.quote import escaped
 from ..files.reading import cause, read_whole
 from ..files.writing import refuse_overwriting, write_whole
 from ..laboratory.lines import LONGEST_LINE
@@ -101,10 +102,7 @@ def _begun(
     learning: float,
 ) -> list[Follower]:
     """Followers before their first sample. ScenarioError for gains of no observer among them."""
-    if foreign := [path for path in changes if path.partition(".")[0] not in named]:
-        raise ScenarioError(
-            f"{shown(foreign[0])} is no gain of {', '.join(named)}; the muscle file has all other numbers"
-        )
+    refuse_foreign(changes, named)
     estimates = None if gains is None else load(gains)
     if estimates is not None:
         period = period or period_of_estimates(estimates)

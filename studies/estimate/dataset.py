@@ -17,11 +17,11 @@ from ...model.symbols import hat
 from ...observers.conditions import Checked
 from ..files.datasets.schema import read_json
 from ..files.versions import versions
+from ..laboratory.quantities import OR, UNITS_OF_MUSCLES, quantities_of, unit_of_joints
 from ..laboratory.subject import subject_again
 from ..simulate.failures import observer_failure
 from .bands.band import deviations
 from .case import Case, Result
-from .quantities import quantities_of
 
 # what a recording may know: name → sentence, and the unit if it is none of the joint
 TRUE: Mapping[str, tuple[str, str]] = {
@@ -29,25 +29,16 @@ TRUE: Mapping[str, tuple[str, str]] = {
     "velocity": ("", "true velocities"),
     "acceleration": ("", "true accelerations"),
     "disturbance": ("", "true external forces, positive with the position"),
-    "force": ("N", "true tendon forces"),
-    "path_length": ("m", "true muscle lengths"),
-    "tendon_length": ("m", "true tendon lengths"),
-    "fibre_length": ("m", "true fibre lengths"),
-    "fibre_velocity": ("m/s", "true fibre velocities, positive when the fibre lengthens"),
-    "activation": ("1", "true activations"),
-    "excitation": ("1", "true excitations"),
+    "force": (UNITS_OF_MUSCLES["force"], "true tendon forces"),
+    "path_length": (UNITS_OF_MUSCLES["path_length"], "true muscle lengths"),
+    "tendon_length": (UNITS_OF_MUSCLES["tendon_length"], "true tendon lengths"),
+    "fibre_length": (UNITS_OF_MUSCLES["fibre_length"], "true fibre lengths"),
+    "fibre_velocity": (UNITS_OF_MUSCLES["fibre_velocity"], "true fibre velocities, positive when the fibre lengthens"),
+    "activation": (UNITS_OF_MUSCLES["activation"], "true activations"),
+    "excitation": (UNITS_OF_MUSCLES["excitation"], "true excitations"),
 }
 PER_JOINT = ("position", "velocity", "acceleration", "disturbance")
 PER_MUSCLE = tuple(name for name in TRUE if name not in PER_JOINT)
-# units of what slides and of what turns
-_UNITS: Mapping[str, tuple[str, str]] = {
-    "position": ("m", "rad"),
-    "velocity": ("m/s", "rad/s"),
-    "acceleration": ("m/s2", "rad/s2"),
-    "disturbance": ("N", "N m"),
-}
-# between the two, where some joints slide and some turn
-_OR = " or "
 # unit of the Dataset → that on paper, and how many of these it is
 ON_PAPER: Mapping[str, tuple[str, float]] = {"m": ("mm", 1e3), "m/s": ("mm/s", 1e3)}
 # noise about the end of a joint's range, as a part of it
@@ -128,7 +119,7 @@ def estimate_dataset(case: Case, results: Mapping[str, Result], library: str) ->
             {"long_name": "the muscles in SI, and what they pull, as JSON"},
         ),
     }
-    data |= deviations(case, results, {name: unit_of_joints(s.sliding, name) for name in _UNITS})
+    data |= deviations(case, results, {name: unit_of_joints(s.sliding, name) for name in PER_JOINT})
     for name, (unit, sentence) in TRUE.items():
         columns = subject.names.get(name, ())
         if columns and all(column in recording.true for column in columns):
@@ -150,15 +141,9 @@ _LIMITED = {
 }
 
 
-def unit_of_joints(sliding: Sequence[bool], quantity: str) -> str:
-    """The unit of a quantity of joints, or both if some slide and some turn."""
-    slides, turns = _UNITS[quantity]
-    return slides if all(sliding) else f"{slides}{_OR}{turns}" if any(sliding) else turns
-
-
 def joint_units(dataset: xr.Dataset, variable: str) -> dict[str, str]:
     """The unit of each joint's part of a variable, by joint: that of all, unless some slide and some turn."""
-    slides, _, turns = str(dataset[variable].attrs["units"]).partition(_OR)
+    slides, _, turns = str(dataset[variable].attrs["units"]).partition(OR)
     names = dataset.joint.values.tolist()
     if not turns:
         return dict.fromkeys(names, slides)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 
 import casadi as ca
@@ -39,14 +39,17 @@ def too_rare(period: float, scales: Scales) -> str:
 
 def gains_by_hand(changes: Mapping[str, Value], chosen: Collection[str], paths: Paths) -> dict[str, float]:
     """Path → value of gains that are given. ScenarioError for what is no gain of an observer that was chosen."""
-    numbers: dict[str, float] = {}
-    for path, value in changes.items():
+    refuse_foreign(changes, chosen)
+    return paths.spread({path: checked_number(path, value, paths) for path, value in changes.items()})
+
+
+def refuse_foreign(changes: Iterable[str], chosen: Collection[str]) -> None:
+    """ScenarioError for a path of what is no observer that was chosen."""
+    for path in changes:
         if path.partition(".")[0] not in chosen:
             raise ScenarioError(
                 f"{shown(path)} is no gain of {', '.join(chosen)}; the muscle file has all other numbers"
             )
-        numbers[path] = checked_number(path, value, paths)
-    return paths.spread(numbers)
 
 
 def gains_of_rule(observer: Observer, system: System, block: Block, sizes: SystemSizes, T: float) -> dict[str, float]:

@@ -9,6 +9,7 @@ from collections.abc import Iterable, Mapping
 from ...codegen.targets.follower import TIME
 from ...codegen.targets.manifest import Member
 from ...model.block import Parameter, Parameters
+from ...model.limits import ORDERS_OF_JOINT, ORDERS_OF_MUSCLE
 from ...model.symbols import SIGNALS, hat, signal_of
 from ...model.system import System
 from ..laboratory.scales import Scales
@@ -16,9 +17,8 @@ from ..laboratory.scales import Scales
 # unit of a number by name, as a number and as a word; what is not named has none
 Units = Mapping[str, tuple[float, str]]
 
-# how many times a time divides the length or angle that a signal is
-_OF_MUSCLE = {"L_S": 0, "L_C": 0, "u": 1}
-_OF_JOINT = {"q": 0, "dq": 1, "Delta": 2}
+# fibres are lengths too
+_ORDERS_OF_MUSCLE = {**ORDERS_OF_MUSCLE, "L_C": 0}
 _PER_TIME = ("", "/s", "/s2")
 _NO_UNIT = (1.0, "1")
 
@@ -32,7 +32,7 @@ def units(system: System, scales: Scales) -> Units:
     ]
     of_joint = dict(zip(system.joints, lengths, strict=True))
     found |= {system.name("y", joint): unit for joint, unit in of_joint.items()}
-    for orders, owners in ((_OF_JOINT, of_joint), (_OF_MUSCLE, of_muscle)):
+    for orders, owners in ((ORDERS_OF_JOINT, of_joint), (_ORDERS_OF_MUSCLE, of_muscle)):
         for (signal, order), (owner, (size, word)) in itertools.product(orders.items(), owners.items()):
             unit = (float(size) * scales.rate**order, word + _PER_TIME[order])
             name = system.name(signal, owner)

@@ -15,11 +15,10 @@ from ...model.limits import STABLE
 from ...model.system import System
 from ...observers import Observer, estimator_of
 from ...observers.tendons import tendons
-from ..estimate.start import from_first_sample
+from ..estimate.start import from_first_sample, gains_by_hand, too_rare
 from ..estimate.substeps import LONGEST_PERIOD, MOST_STEPS, substeps
 from ..files.errors import ScenarioError
 from ..files.numbers import number, whole
-from ..files.quote import shown
 from ..files.versions import __version__
 from ..laboratory.mechanisms.mechanism import Mechanism
 from ..laboratory.muscles import MusclePair
@@ -29,7 +28,6 @@ from ..scenarios.layers import Value
 from ..scenarios.observers import observers_named
 from ..scenarios.paths import paths_of
 from ..scenarios.prepare import prepare
-from ..scenarios.scenario import checked_number
 from . import members
 
 _ON_PAPER = (
@@ -130,10 +128,7 @@ def _of_muscles(
 ) -> Numbers:
     block = estimator_of(chosen, corrected, subject.system)
     paths = paths_of([block])
-    for path in changes:
-        if path.partition(".")[0] != name:
-            raise ScenarioError(f"{shown(path)} is no number of {name}; the muscle file has all others")
-    by_hand = paths.spread({path: checked_number(path, value, paths) for path, value in changes.items()})
+    by_hand = gains_by_hand(changes, [name], paths)
     given = {**subject.scales.numbers, **by_hand}
     values = dict(zip(block.p, paths.values(block, given), strict=True))
     return Numbers(subject.system, block, values, by_hand, subject.columns.required, subject.scales)
@@ -144,11 +139,10 @@ def _period(period: float, scales: Scales | None) -> float:
     if not number("the period", period) > 0:
         raise ScenarioError(f"the period must be above 0, not {period:g}")
     T = period * (scales.rate if scales else 1.0)
+    if scales and (objection := too_rare(period, scales)):
+        raise ScenarioError(objection)
     if T > LONGEST_PERIOD:
-        longest = f"{LONGEST_PERIOD / scales.rate:.3g} s" if scales else f"{LONGEST_PERIOD:g}"
-        raise ScenarioError(
-            f"a sample every {period:g}{' s' * bool(scales)} is too few for these muscles: at most {longest}"
-        )
+        raise ScenarioError(f"a sample every {period:g} is too few for the muscles; at most {LONGEST_PERIOD:g}")
     return T
 
 

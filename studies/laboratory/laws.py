@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping, Sequence
 
 import casadi as ca
@@ -35,7 +36,6 @@ class Laws:
         self._gain = ca.Function("gain", columns[:3], [ca.vec(ca.densify(ca.jacobian(acc, columns[2])))])
         forces = ca.vertcat(*system.forces(q, Delta, p))
         self._forces = ca.Function("forces", [columns[0], columns[3]], [forces])
-        self._places = {name: ca.Function("place", columns[:1], [at]) for name, at in system.places(q).items()}
 
     def lengths(self, q: Array) -> Array:
         """L_m (… × muscles) at coordinates (… × joints)."""
@@ -56,6 +56,12 @@ class Laws:
     def places(self, q: Array) -> dict[str, Array]:
         """What can follow a reference (…), by name, at coordinates (… × joints)."""
         return {name: mapped(function, [q])[..., 0] for name, function in self._places.items()}
+
+    # of simulations only
+    @functools.cached_property
+    def _places(self) -> dict[str, ca.Function]:
+        q = [ca.SX.sym(of) for of in self.system.joints]
+        return {name: ca.Function("place", [ca.vertcat(*q)], [at]) for name, at in self.system.places(q).items()}
 
     def accelerations(self, q: Array, dq: Array, F: Array) -> Array:
         """What tendon forces (… × muscles) make of the joints (… × joints)."""

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from ...model.arrays import Array
-from ..estimate.quantities import OF_JOINTS, OF_MUSCLES, quantities_of
+from ..laboratory.quantities import OF_JOINTS, OF_MUSCLES, quantities_of
 from ..laboratory.subject import Subject
 
 # of a pair's mass one number; of a mechanism joint → number

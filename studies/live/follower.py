@@ -87,7 +87,7 @@ class Follower:
         """Path → value of the gains that are known."""
         return MappingProxyType(self._gains)
 
-    def step(self, *measured: Any, time: float | None = None, **columns: Any) -> Estimate:  # noqa: ANN401 — a sample's
+    def step(self, *measured: object, time: float | None = None, **columns: object) -> Estimate:
         """The estimate at the next sample: `step(position, force_1, force_2)` of a pair, in m and N.
 
         Of a mechanism two sequences, positions and forces in its order; of both also by name, as the columns of a

@@ -13,7 +13,7 @@ from ...model.arrays import Array
 from ..estimate.bands.band import state_deviations
 from ..estimate.bands.taut import still_taut
 from ..estimate.follow import JITTER, filled, followed
-from ..estimate.quantities import OF_MUSCLES, quantities_of
+from ..laboratory.quantities import OF_MUSCLES, quantities_of
 from .setup import Setup
 
 # what a filter of a pair knows of the noise of its forces

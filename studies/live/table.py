@@ -7,9 +7,8 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from ..estimate.dataset import TRUE, unit_of_joints
-from ..estimate.quantities import OF_JOINTS, OF_MUSCLES
 from ..files.tables import csv_text, or_empty
+from ..laboratory.quantities import OF_JOINTS, OF_MUSCLES, UNITS_OF_MUSCLES, unit_of_joints
 from ..laboratory.subject import Subject
 from .estimate import Estimate
 
@@ -60,7 +59,7 @@ def _columns(subject: Subject) -> Iterator[tuple[str, str]]:
         for name, slides in zip(subject.names[quantity], subject.scales.sliding, strict=True):
             yield name, unit_of_joints([slides], quantity)
     for quantity in OF_MUSCLES:
-        yield from ((name, TRUE[quantity][0]) for name in subject.names[quantity])
+        yield from ((name, UNITS_OF_MUSCLES[quantity]) for name in subject.names[quantity])
 
 
 def _numbers(of: Mapping[str, Any]) -> list[float]:

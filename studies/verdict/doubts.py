@@ -9,6 +9,8 @@ from .finding import Finding, Suspect
 
 # log L that another thing must gain, and that of each sample: what the model leaves out is no doubt of the muscle
 _GAIN, _EACH = 30.0, 0.02
+# a constant error of the forces, in F_max, whose effect is told
+BIAS = 0.01
 # others than the best are named up to here
 _NAMED = 3
 

@@ -18,7 +18,7 @@ from ..kalman.record import Record
 from ..kalman.run import causal_choices, estimates_of_inputs
 from ..laboratory.muscles import MusclePair
 from ..laboratory.recording import Recording
-from .doubts import Weighed, doubts, needed_for, unknown
+from .doubts import BIAS, Weighed, doubts, needed_for, unknown
 from .finding import Finding
 from .likelihood import Weight, gains, weight
 from .variants import Variant, called, variants
@@ -26,8 +26,6 @@ from .variants import Variant, called, variants
 # an order of u below this is that of activations that jump: then F_max, lengths and curves other than the right ones
 # are likelier as often as not, v_max is not, by so many times what is usual
 SMOOTH, WHERE_ROUGH, ROUGH = 3, "v_max", 1.5
-# a constant error of the forces, in F_max, whose effect is told
-_BIAS = 0.01
 _ORDERS = ("order_D", "order_u", "order_a")
 
 
@@ -77,7 +75,7 @@ def _form(inputs: Choice, activations: Choice, rough: bool) -> Finding:
 
 def bias(case: Case, record: Record, inputs: Choice) -> Iterator[Finding]:
     """What no likelihood sees; nothing where a tendon has no slope."""
-    force = _BIAS * case.pair.muscle1.F_max
+    force = BIAS * case.pair.muscle1.F_max
     told = estimates_of_inputs(record, inputs)
     estimates = dict(zip(ESTIMATES, told.T, strict=True))
     with np.errstate(divide="ignore", over="ignore", invalid="ignore"):

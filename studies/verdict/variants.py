@@ -30,7 +30,7 @@ FACTORS = {
     "F_max": ((0.5, 0.9, 1.1, 2.0), "F_max"),
     "v_max": ((0.2, 0.5, 2.0, 5.0), "v_max"),
 }
-MASSES = (0.1, 0.5, 2.0, 10.0)
+_MASSES = (0.1, 0.5, 2.0, 10.0)
 # those with sizes of their own
 _KINDS = (DEGROOTE_FREGLY2016, MILLARD2012, THELEN2003)
 _OTHERS = {
@@ -40,7 +40,7 @@ _OTHERS = {
     "mirrored": "from which wall position is measured",
 }
 # from here on a factor is no percentage; a muscle so far from the file's must gain more to be named
-_TIMES, CAUTION = 1.5, 2.0
+_TIMES, _CAUTION = 1.5, 2.0
 
 
 def variants(recording: Recording, pair: MusclePair) -> Iterator[Variant]:
@@ -48,14 +48,14 @@ def variants(recording: Recording, pair: MusclePair) -> Iterator[Variant]:
     for name, (factors, called) in FACTORS.items():
         for factor in factors:
             first, second = (_scaled(muscle, name, factor) for muscle in (pair.muscle1, pair.muscle2))
-            other, caution = replace(pair, muscle1=first, muscle2=second), 1.0 if is_close(factor) else CAUTION
+            other, caution = replace(pair, muscle1=first, muscle2=second), 1.0 if is_close(factor) else _CAUTION
             yield Variant(name, f"{called} {by(factor)}", recording, other, False, caution, factor)
     for curves in _KINDS:
         if {pair.muscle1.curves.name, pair.muscle2.curves.name} != {curves.name}:
             first, second = (_with_curves(muscle, curves) for muscle in (pair.muscle1, pair.muscle2))
             other = replace(pair, muscle1=first, muscle2=second)
             yield Variant("curves", f"the curves of {curves.name}", recording, other)
-    for factor in MASSES:
+    for factor in _MASSES:
         heavier = replace(pair, mass=pair.mass * factor)
         yield Variant("mass", f"a mass {by(factor)}", recording, heavier, mechanical=True, factor=factor)
     swapped = recording.remeasured(force_1=recording["force_2"], force_2=recording["force_1"])

@@ -59,11 +59,7 @@ class Filters:
 
     def chosen_joints(self, steps: Iterator[Progress], forces: Forces | None = None) -> dict[str, Choice]:
         """The likeliest numbers of each joint, by forces as they were measured unless others are given."""
-        return self._chosen(self.record.of_joints(self._about, forces or self.record.forces), steps)
-
-    def chosen_muscles(self, rows: Mapping[str, Array], steps: Iterator[Progress]) -> dict[str, Choice]:
-        """The likeliest numbers of muscles by the rows that each has."""
-        return self._chosen(rows, steps)
+        return self.chosen(self.record.of_joints(self._about, forces or self.record.forces), steps)
 
     def chosen_law(
         self, inputs: Mapping[str, Choice], rows: Mapping[str, Array], steps: Iterator[Progress]
@@ -148,7 +144,8 @@ class Filters:
         shares = np.where(total > 0, noise, 1.0) / np.where(total > 0, total, noise.shape[1])
         return Forces(F, shares @ speeds)
 
-    def _chosen(self, tables: Mapping[str, Array], steps: Iterator[Progress]) -> dict[str, Choice]:
+    def chosen(self, tables: Mapping[str, Array], steps: Iterator[Progress]) -> dict[str, Choice]:
+        """The likeliest numbers of joints or muscles by the rows that each has."""
         choices = {}
         for of, rows in tables.items():
             choices[of] = self._chains[of].chosen(fitted_to(rows))

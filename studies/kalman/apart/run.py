@@ -91,7 +91,7 @@ def inputs_apart(filters: Filters, how: How, progress: Progress) -> dict[str, Ch
     steps = shares(progress, [1.0] * len(filters))
     joints = filters.chosen_joints(steps)
     at = filters.about(numbers_of(joints), how)
-    return {**joints, **filters.chosen_muscles(filters.record.of_muscles(at), steps)}
+    return {**joints, **filters.chosen(filters.record.of_muscles(at), steps)}
 
 
 def _form(how: How, inputs: Choice, activations: Choice) -> str:

@@ -17,22 +17,21 @@ from ...kalman.run import How
 from ...laboratory.recording import Recording
 from ...laboratory.subject import Subject
 from ..checks import of_joints, of_limits, of_measurements, of_sensors
-from ..doubts import Weighed, doubts, needed_for, unknown
+from ..doubts import BIAS, Weighed, doubts, needed_for, unknown
 from ..finding import Finding
 from ..innovations import of_innovations
 from ..muscles import WHERE_ROUGH
 from .variants import variants
 from .weighing import Weighing
 
-# a constant error of the forces, in F_max, whose effect is told
-_BIAS = 0.01
 _OURS = f"{KALMAN}."
 
 
 def of_all(read: Recording, subject: Subject, estimates: xr.Dataset) -> Iterator[Finding]:
     """Of every sample: sensors, units, and what the filter made of them."""
-    by_hand = json.loads(estimates.attrs["settings"])["changes"]
-    case, record = recorded_apart(read, subject, {p: value for p, value in by_hand.items() if p.startswith(_OURS)})
+    settings = json.loads(estimates.attrs["settings"])
+    by_hand = {path: value for path, value in settings["changes"].items() if path.startswith(_OURS)}
+    case, record = recorded_apart(read, subject, by_hand)
     yield from of_measurements(case)
     yield from of_sensors(case)
     if failure := json.loads(estimates.attrs["failures"]).get(KALMAN):
@@ -40,12 +39,12 @@ def of_all(read: Recording, subject: Subject, estimates: xr.Dataset) -> Iterator
         return
     chains = json.loads(estimates.attrs["fits"])[KALMAN]["chains"]
     filters = Filters(record, {}, record.measured).linear()
-    how = How(lag=None if json.loads(estimates.attrs["settings"])["smooth"] else 0)
+    how = How(lag=None if settings["smooth"] else 0)
     ratios = filters.innovations({of: chain["u"]["numbers"] for of, chain in chains.items()}, how)
     noise = min(muscle.sigma_F for muscle in case.sizes.muscles.values())
     yield from of_innovations(read.time, ratios, noise, (*subject.names["position"], *subject.names["force"]))
     of = estimates.sel(observer=KALMAN)
-    s, kept = case.scales, case.y[:: json.loads(estimates.attrs["settings"])["keep_every"]]
+    s, kept = case.scales, case.y[:: settings["keep_every"]]
     joints = len(subject.joints)
     # R F
     arms = subject.laws.moment_arms(kept[:, :joints])
@@ -101,7 +100,7 @@ def _forms(weighing: Weighing, rough: bool) -> Iterator[Finding]:
 
 def _bias(weighing: Weighing, subject: Subject) -> Iterator[Finding]:
     """What no likelihood sees; nothing where a tendon has no slope."""
-    changes = weighing.biased({of: _BIAS * muscle.F_max for of, muscle in subject.muscles.items()})
+    changes = weighing.biased({of: BIAS * muscle.F_max for of, muscle in subject.muscles.items()})
     if np.isfinite(list(changes.values())).all():
         least, most = min(changes, key=changes.__getitem__), max(changes, key=changes.__getitem__)
         told = (
@@ -111,7 +110,7 @@ def _bias(weighing: Weighing, subject: Subject) -> Iterator[Finding]:
         )
         yield Finding(
             "bias",
-            f"a constant error of a force cannot be seen: {_BIAS:.0%} of F_max would change an activation by {told}",
+            f"a constant error of a force cannot be seen: {BIAS:.0%} of F_max would change an activation by {told}",
             changes[most],
         )
 

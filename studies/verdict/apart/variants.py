@@ -51,9 +51,8 @@ def variants(weighing: Weighing, read: Recording, subject: Subject, needed: floa
     """
     yield from _of_muscles(weighing, subject, needed, rough)
     yield from _of_recordings(weighing, read, subject, needed)
-    mechanism = subject.described
-    if isinstance(mechanism, Mechanism) and mechanism.tree.free:
-        yield from _of_masses(weighing, mechanism, needed)
+    if subject.mechanism.tree.free:
+        yield from _of_masses(weighing, subject.mechanism, needed)
 
 
 def _of_muscles(weighing: Weighing, subject: Subject, needed: float, rough: bool) -> Iterator[Variant]:

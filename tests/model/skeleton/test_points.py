@@ -66,9 +66,14 @@ def test_the_hand_of_the_arm_is_where_matrices_put_it() -> None:
         np.testing.assert_allclose(where, by_matrices(arm.tree, arm.points["hand"], q), atol=1e-14)
 
 
+def draw() -> tuple[float, float, float]:
+    """Three numbers within ±1."""
+    x, y, z = RNG.uniform(-1, 1, 3).tolist()
+    return x, y, z
+
+
 @pytest.mark.parametrize("locked", [None, 0.3])
 def test_turned_frames_sliders_and_locked_joints_carry_a_point(locked: float | None) -> None:
-    draw = lambda: tuple(RNG.uniform(-1, 1, 3))  # noqa: E731 — a vector, again and again
     frames = [{"at": draw(), "orientation": draw(), "child_at": draw(), "child_orientation": draw()} for _ in range(3)]
     joints = {
         "turns": Joint("ground", "a", "pin", draw(), **frames[0]),

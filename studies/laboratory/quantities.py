@@ -1,10 +1,10 @@
-"""What the estimates of a sample are in SI, alike for recordings and for samples that come live."""
+"""What the quantities of a system are in SI, alike for recordings, samples that come live, and runs."""
 
 from __future__ import annotations
 
 import functools
 import itertools
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -13,12 +13,36 @@ import numpy as np
 
 from ...model.arrays import Array
 from ...model.block import symbols
-from ..laboratory.subject import Subject, oblique
+from .subject import Subject, oblique
 
 OF_JOINTS = ("position", "velocity", "disturbance")
 OF_MUSCLES = ("tendon_length", "fibre_length", "fibre_velocity", "activation")
+# units of what slides and of what turns
+_UNITS_OF_JOINTS: Mapping[str, tuple[str, str]] = {
+    "position": ("m", "rad"),
+    "velocity": ("m/s", "rad/s"),
+    "acceleration": ("m/s2", "rad/s2"),
+    "disturbance": ("N", "N m"),
+}
+# between the two, where some joints slide and some turn
+OR = " or "
+UNITS_OF_MUSCLES: Mapping[str, str] = {
+    "force": "N",
+    "path_length": "m",
+    "tendon_length": "m",
+    "fibre_length": "m",
+    "fibre_velocity": "m/s",
+    "activation": "1",
+    "excitation": "1",
+}
 # samples at a time: a few MB
 _PIECE = 16_384
+
+
+def unit_of_joints(sliding: Sequence[bool], quantity: str) -> str:
+    """The unit of a quantity of joints, or both if some slide and some turn."""
+    slides, turns = _UNITS_OF_JOINTS[quantity]
+    return slides if all(sliding) else f"{slides}{OR}{turns}" if any(sliding) else turns
 
 
 class Quantities:
