@@ -127,7 +127,7 @@ def _led(dataset: xr.Dataset) -> Iterator[str]:
         late = dataset.time.values >= start
         off_by = np.abs(dataset["at"].values - dataset["r"].values)[late].max(axis=0, initial=0.0)
         for name, off in zip(dataset.place.values.tolist(), off_by.tolist(), strict=True):
-            metres = f", {off * scales['length']:.2g} m" if "." in name else ""
+            metres = f" ({off * scales['length']:.2g} m)" if "." in name else ""
             yield f"{name} is within {off:.2g}{metres} of its reference from τ = {start:g} on"
     yield (
         f"in units of {dataset.muscle.values[0]}: lengths {scales['length']:.4g} m, forces {scales['force']:.5g} N, "
