@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 CODE := model observers codegen studies hillobs tests benchmarks
 
 .DEFAULT_GOAL := help
-.PHONY: help sim sweep estimate test portable check format lint types imports observability lag chaos hostile bench clean
+.PHONY: help sim sweep estimate test portable check format lint types imports observability lag page chaos hostile bench clean
 
 help: ## show this help
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 16
@@ -55,6 +55,9 @@ observability: $(VENV)/.installed ## ranks, maps and figures of docs/observabili
 
 lag: $(VENV)/.installed ## figure of docs/kalman.md: errors over the delay
 	$(BIN)/python -m hillobs.studies.cli.pages.lag
+
+page: $(VENV)/.installed ## the paper's noisy simulation as a page for a browser: docs/_page/paper-noisy.html
+	$(BIN)/hillobs export page paper-noisy --out docs/_page/paper-noisy.html
 
 chaos: $(VENV)/.installed ## long tests: kills, full disks, races, many drawn recordings
 	$(BIN)/python -m pytest -m chaos -p no:cacheprovider

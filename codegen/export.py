@@ -14,7 +14,7 @@ from .stepper import NODES, WEIGHTS
 
 _KERNEL = "hillobs.codegen.kernel"
 # what a block of the loop can do: arguments and results of each role, in the order of the kernel's calls
-_ROLES = {
+ROLES = {
     "constants": (("h", "p"), ("c",)),
     "scales": (("h", "p"), ("scales",)),
     "init": (("t", "p", "held", "staged"), ("x_next",)),
@@ -112,7 +112,7 @@ def _part(block: Block, table: Mapping[str, ca.Function]) -> str:
         **{f"HAS_{role.upper()}": int(role in table) for role in ("sample", "each")},
         "SAMPLED": int(block.sampled),
     }
-    roles = [_role(role, table[role]) for role in _ROLES if role in table]
+    roles = [_role(role, table[role]) for role in ROLES if role in table]
     if "stage" in table:
         sizes |= {"N_AT_STAGE": table["stage"].numel_in("staged"), "N_SEEN_AT_STAGE": table["stage"].numel_out("seen")}
         roles.append(_BY_STAGES.format(block=block.name))
@@ -139,7 +139,7 @@ def _magnitude(block: Block) -> str:
 
 
 def _role(role: str, function: ca.Function) -> str:
-    names_in, names_out = _ROLES[role]
+    names_in, names_out = ROLES[role]
     arguments = ", ".join([*(f"const V *{name}" for name in names_in), *(f"V *{name}" for name in names_out)])
     given = ", ".join(function.name_in())
     results = ", ".join(function.name_out())

@@ -16,7 +16,7 @@ import struct
 import subprocess
 import sys
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
@@ -55,7 +55,7 @@ PORTABLE = {"x86-64": "x86-64-v3", "arm64": "arm64"}.get(_MACHINE, "scalar")
 COMPILE_TIMEOUT = 300.0  # seconds
 KEPT_LINES, KEPT_BYTES = 20, 16_000  # of what a compiler prints
 
-_SOURCE, _LIBRARY = "hillobs.cpp", "hillobs.so"
+_SOURCE, _SOURCE_OF_C, _LIBRARY = "hillobs.cpp", "hillobs.c", "hillobs.so"
 _PATH_VARIABLES = ("CPATH", "CPLUS_INCLUDE_PATH", "LIBRARY_PATH", "COMPILER_PATH", "GCC_EXEC_PREFIX", "SDKROOT")
 _POLL = 0.02  # seconds between two looks at a silent compiler
 _INSTALL = "Install one: `apt install g++`, or `pip install 'hillobs[compiler]'`."
@@ -107,7 +107,7 @@ def find_compiler() -> Compiler:
             return _examine([name], limit)
         except BuildError as error:
             refusals.append(str(error))
-    if wheel := _wheel():
+    if wheel := zig():
         return wheel
     raise BuildError(f"No C++ compiler was found. {' '.join(refusals)} {_INSTALL}")
 
@@ -119,17 +119,42 @@ def compile_library(
 
     `flags` come after our own; `timeout` is in seconds, by default that of HILLOBS_COMPILE_TIMEOUT.
     """
-    library = output_folder / _LIBRARY
     command = [*compiler.command, *_flags(compiler), *flags, "-o", _LIBRARY, _SOURCE, "-lm"]
-    scratch = {"TMPDIR": str(output_folder), "ZIG_LOCAL_CACHE_DIR": str(output_folder / "zig")}
-    shared = {"ZIG_GLOBAL_CACHE_DIR": str(output_folder.parent / cache.ZIG_FOLDER)}
+    return _compile(command, output_folder, {_SOURCE: source}, _incomplete, timeout)
+
+
+def build_module(source: str, description: Mapping[str, object], compiler: Compiler, flags: Sequence[str]) -> Path:
+    """Return the WebAssembly that `compiler`, zig's of C, makes of one file, compiled unless the cache has it."""
+    command = [*compiler.command, *flags, "-o", _LIBRARY, _SOURCE_OF_C]
+    circumstances = {"command": command, "version": compiler.version}
+    key = cache.entry_key({"source": source, "description": description, **circumstances})
+
+    def make(folder: Path) -> Path:
+        with building(description, compiler.kind):
+            return _compile(command, folder, {_SOURCE_OF_C: source}, _no_module)
+
+    return cache.obtain(cache.Order(key, description, source.encode()), make, patience=_timeout() + 60)
+
+
+def _compile(
+    command: Sequence[str],
+    folder: Path,
+    files: Mapping[str, str],
+    objection: Callable[[Path], str],
+    timeout: float | None = None,
+) -> Path:
+    """Return what a command makes of files in an empty folder, unless there is an objection to that."""
+    library = folder / _LIBRARY
+    scratch = {"TMPDIR": str(folder), "ZIG_LOCAL_CACHE_DIR": str(folder / "zig")}
+    shared = {"ZIG_GLOBAL_CACHE_DIR": str(folder.parent / cache.ZIG_FOLDER)}
     try:
-        write_new(output_folder / _SOURCE, source.encode())
-        code, output = _run(command, output_folder, _timeout() if timeout is None else timeout, scratch | shared)
-        problem = _ending(code) if code else _incomplete(library)
+        for name, text in files.items():
+            write_new(folder / name, text.encode())
+        code, output = _run(command, folder, _timeout() if timeout is None else timeout, scratch | shared)
+        problem = _ending(code) if code else objection(library)
     except OSError as error:
         # the folder that stays; this one is gone when the sentence is read
-        raise BuildError(f"Nothing can be compiled in {output_folder.parent}: {error.strerror}.") from error
+        raise BuildError(f"Nothing can be compiled in {folder.parent}: {error.strerror}.") from error
     if problem:
         raise BuildError(f"The compiler {problem}: {shlex.join(command)}\n{output}")
     return library
@@ -162,13 +187,13 @@ def _examine(given: Sequence[str], limit: float) -> Compiler:
     return Compiler(command, _kind(version), version, Path(program).resolve())
 
 
-def _wheel() -> Compiler | None:
-    """Return the compiler of the `ziglang` wheel, whose version needs no start of it."""
+def zig(language: str = "c++") -> Compiler | None:
+    """Return the compiler of the `ziglang` wheel for `c++` or `cc`, or None; its version needs no start of it."""
     found = importlib.util.find_spec("ziglang")
     if found is None or found.origin is None:
         return None
     # -P: a folder `ziglang` in the current one is never imported
-    command = (sys.executable, "-P", "-m", "ziglang", "c++")
+    command = (sys.executable, "-P", "-m", "ziglang", language)
     return Compiler(command, "zig", f"ziglang {_package_version('ziglang')}", Path(found.origin).with_name("zig"))
 
 
@@ -311,6 +336,12 @@ def _incomplete(library: Path) -> str:
     # the section table comes last: a file that holds all of it was not cut short
     start, (entry, count) = int.from_bytes(head[40:48], sys.byteorder), struct.unpack("=HH", head[58:62])
     return "" if start + entry * count <= size else "reported success but wrote only part of a library"
+
+
+def _no_module(path: Path) -> str:
+    """Return what is wrong with the WebAssembly that a compiler left, or an empty text."""
+    module = path.is_file() and path.read_bytes().startswith(b"\0asm")
+    return "" if module else "reported success but wrote no module"
 
 
 def _package_version(name: str) -> str:

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from .studies.estimate.fit import fit
     from .studies.estimate.run import estimate
     from .studies.estimate.schema import arguments
+    from .studies.export.pages import export_page
     from .studies.files.datasets.netcdf import load
     from .studies.files.errors import ClusterError, RecordingError, ResultError, ScenarioError
     from .studies.files.versions import __version__
@@ -58,6 +59,7 @@ _NAMES = {
     ".studies.estimate.fit": ("fit",),
     ".studies.estimate.run": ("estimate",),
     ".studies.estimate.schema": ("arguments",),
+    ".studies.export.pages": ("export_page",),
     ".studies.files.errors": ("ClusterError", "RecordingError", "ResultError", "ScenarioError"),
     ".studies.files.datasets.netcdf": ("load",),
     ".studies.files.versions": ("__version__",),
@@ -126,6 +128,7 @@ __all__ = [
     "conformance",
     "constant_moment_arms",
     "estimate",
+    "export_page",
     "fit",
     "follow",
     "load",

@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from ..export.files import save_c
+from ..export.pages import export_page
 from ..export.prepare import exported
 from ..files.errors import ScenarioError
 from ..files.numbers import parse_number
@@ -16,7 +17,7 @@ from ..laboratory.subject import subject_of
 from ..scenarios.layers import Value
 from .reports.number import counted
 from .reports.written import written
-from .shell.options import corrected_option, set_option, whole_option
+from .shell.options import corrected_option, observer_option, scenario_argument, set_option, whole_option
 from .shell.own_observers import loaded
 from .shell.terminal import say
 
@@ -25,7 +26,7 @@ _AT_SAMPLES = "which move at samples only"
 
 @click.group()
 def export() -> None:
-    """Write an observer for another program: C for a controller board."""
+    """Write an observer as C for a controller board, or a closed loop as a page for a browser."""
 
 
 @export.command()
@@ -66,3 +67,14 @@ def c(
     steps = f"{counted(manifest.substeps, 'RK4 step')} from sample to sample" if manifest.substeps else _AT_SAMPLES
     say(f"{manifest.label}: a state of {len(manifest.state)} numbers, {steps}")
     say(written(paths))
+
+
+@export.command()
+@scenario_argument("paper-noisy")
+@observer_option()
+@corrected_option(default=False)
+@set_option("Change a number, e.g. plant.m=1.2, before the page is written.")
+@click.option("--out", required=True, metavar="FILE.html", help="Where the page is written.")
+def page(scenario: str, observers: tuple[str, ...], corrected: bool, changes: dict[str, Value], out: str) -> None:
+    """Write a scenario as one HTML file that needs no server: its numbers can be moved, and all runs again at once."""
+    say(written([export_page(scenario, out, loaded(observers), changes, corrected)]))

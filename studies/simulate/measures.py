@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import functools
+import math
 from collections.abc import Mapping, Sequence
 
+import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -32,30 +35,39 @@ def measures(
     grid: that of the points at which errors count. score: the sums that the kernel has taken, numbers or (runs);
     names: the measures.
     """
-    sums = {name: np.asarray(total, dtype=float) for name, total in score.items()}
-    h, end = grid.h, grid.steps * grid.h
-    window_points = max(0, grid.steps - grid.window + 1)
+    sums = np.array(np.broadcast_arrays(*score.values()), dtype=float)
+    shape = sums.shape[1:]
+    formula = measures_of(tuple(score), tuple(quantities), tuple(names))
+    table = formula(sums.reshape(len(score), -1), grid.h, grid.steps, grid.window).full()
+    rows = iter(table.reshape(-1, *shape))
+    return {measure: {name: next(rows) for name in quantities} for measure in names}
 
-    def value(measure: str, name: str) -> Array:
+
+@functools.lru_cache(maxsize=64)
+def measures_of(score: tuple[str, ...], quantities: tuple[str, ...], names: tuple[str, ...]) -> ca.Function:
+    """measures(sums, h, steps, window) → measure by measure, each of all quantities.
+
+    score: the names of the sums. The rest is of the grid of the points at which errors count.
+    """
+    column, h, steps, window = ca.SX.sym("sums", len(score)), ca.SX.sym("h"), ca.SX.sym("steps"), ca.SX.sym("window")
+    sums = dict(zip(score, ca.vertsplit(column), strict=True))
+    end, points = steps * h, ca.fmax(0, steps - window + 1)
+
+    def value(measure: str, name: str) -> ca.SX:
         owner = counted_with(name)
         if measure == "rmse":
-            # RMSE = √(Σ error²/n),  n the points at which the tendon was taut
-            return np.sqrt(_ratio(sums[f"{name}.squares"], sums[f"{owner}.count"]))
+            # RMSE = √(Σ error²/n),  n the points at which the tendon was taut; 0/0 is NaN
+            return ca.sqrt(sums[f"{name}.squares"] / sums[f"{owner}.count"])
         if measure == "peak":
             return sums[f"{name}.peak"]
         if measure == "settling":
             settling = sums[f"{name}.settling"]
-            return np.where(settling > end - h / 2, np.nan, settling)
+            return ca.if_else(settling > end - h / 2, math.nan, settling)
         if measure == "masked":
-            return (window_points - sums[f"{owner}.count"]) * h
-        if not chatters(name):
-            return np.full_like(next(iter(sums.values())), np.nan)
+            return (points - sums[f"{owner}.count"]) * h
         # mean |v̂((k+1)T_s) − v̂(k T_s)|
-        return _ratio(sums[f"{name}.chatter"], sums[f"{owner}.pairs"])
+        return sums[f"{name}.chatter"] / sums[f"{owner}.pairs"] if chatters(name) else ca.SX(math.nan)
 
-    return {measure: {name: value(measure, name) for name in quantities} for measure in names}
-
-
-def _ratio(total: Array, count: Array) -> Array:
-    """The mean; NaN of nothing."""
-    return np.divide(total, count, out=np.full_like(total, np.nan), where=count > 0)
+    table = ca.vertcat(*(value(measure, name) for measure in names for name in quantities))
+    arguments, given = [column, h, steps, window], ["sums", "h", "steps", "window"]
+    return ca.Function("measures", arguments, [ca.densify(table)], given, ["values"])

@@ -1,0 +1,107 @@
+"""A scenario as a page of its own, in which its numbers can be moved."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+from ...codegen.targets.page import page
+from ...codegen.targets.study import Number, Shown, Study
+from ...model.block import Parameter
+from ...model.symbols import signal_of
+from ..files.versions import __version__
+from ..files.writing import refuse_overwriting, writable_folder, write_whole
+from ..scenarios.layers import Value
+from ..scenarios.observers import Observers
+from ..scenarios.paths import block_paths
+from ..scenarios.prepare import Prepared, prepare
+from ..simulate.measures import SENTENCES, measures_of
+from .reach import FAR, NEAR, reach
+
+_BELOW = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
+_LETTERS = {"Delta": "Δ", "dq": "q̇"}
+
+
+def export_page(
+    scenario: str | Path,
+    path: str | Path,
+    observers: Observers = None,
+    changes: Mapping[str, Value] | None = None,
+    corrected: bool = False,
+) -> Path:
+    """Write a scenario as one HTML file, in which its numbers can be moved; its path.
+
+    The arguments are those of `simulate`. ScenarioError says what is wrong with them, BlockError what cannot be
+    expressed on a page, ResultError why nothing can be written; BuildError if the compiler of the extra fails.
+    """
+    text = page(study_of(prepare(scenario, observers, changes or {}, corrected=corrected)))
+    file = Path(path)
+    written = writable_folder(file.parent) / file.name
+    refuse_overwriting([written])
+    write_whole(written, text.encode())
+    return written
+
+
+def study_of(prepared: Prepared) -> Study:
+    """A scenario that `prepare` has checked, as targets take it."""
+    scenario, paths, loop = prepared.scenario, prepared.paths, prepared.loop
+    used = [block for block in loop.blocks if block not in loop.observers or block.name in prepared.observers]
+    of = {block.name: block_paths(block) for block in used}
+    of_truth = of[loop.truth.name]
+    every = dict.fromkeys(path for block in of.values() for path in block)
+    own = dict.fromkeys(paths.origin(path, scenario.given) for path in every)
+    return Study(
+        name=prepared.label,
+        sentence=scenario.description,
+        version=__version__,
+        loop=loop,
+        grid=prepared.grid,
+        seed=scenario.seed,
+        observers={name: observer.label for name, observer in prepared.chosen.items()},
+        quantities=[Shown(name, _symbol(name), signal_of(name).sentence) for name in prepared.quantities],
+        numbers=[
+            _number(path, paths.parameters[path], prepared.value(path), NEAR if path in of_truth else FAR)
+            for path in own
+        ],
+        paths=of,
+        shared=dict(_shared(every, paths.parameters)),
+        given={path: value for path, value in scenario.given.items() if path in every or path in own},
+        measures=SENTENCES,
+        formulas=measures_of(tuple(loop.score.x), prepared.quantities, tuple(SENTENCES)),
+    )
+
+
+def _shared(every: Mapping[str, None], parameters: Mapping[str, Parameter]) -> Iterator[tuple[str, str]]:
+    """The paths that take the number of another one, and which."""
+    for path in every:
+        shared = parameters[path].shared
+        if shared and shared != path:
+            yield path, shared
+
+
+def _number(path: str, about: Parameter, value: float, times: float) -> Number:
+    ends, logarithmic = reach(path, about, value, times)
+    return Number(
+        path=path,
+        sentence=about.sentence,
+        unit=about.unit,
+        value=value,
+        above=_finite(about.above),
+        least=_finite(about.least),
+        below=_finite(about.below),
+        most=_finite(about.most),
+        whole=about.whole,
+        reach=ends,
+        logarithmic=logarithmic,
+    )
+
+
+def _finite(bound: float) -> float | None:
+    return bound if math.isfinite(bound) else None
+
+
+def _symbol(name: str) -> str:
+    """A quantity's name in letters of its own: x₁, Δ."""
+    return re.sub(r"\d+", lambda digits: digits[0].translate(_BELOW), _LETTERS.get(name, name))
