@@ -83,10 +83,16 @@ def javascript(function: ca.Function, name: str, arguments: Sequence[str], resul
                 words = [f"w{operand}" for operand in operands]
                 statements.append(f"w{targets[0]}={_OPERATIONS[kind].format(*words)}")
             case _:
-                raise BlockError(f"{function.name()}: CasADi's operation {kind} has no word in JavaScript")
+                raise BlockError(f"{function.name()}: CasADi's {_word(kind)} has no word in JavaScript")
     variables = ",".join(f"w{i}=0" for i in range(function.sz_w()))
     begin = f"let {variables};" if variables else ""
     return f"{name}({','.join([*arguments, *results])}){{{begin}{';'.join(statements)}}}"
+
+
+def _word(kind: int) -> str:
+    """What CasADi calls an operation: erf."""
+    names = {getattr(ca, name): name for name in dir(ca) if name.startswith("OP_")}
+    return names[kind].removeprefix("OP_").lower()
 
 
 def _literal(value: float) -> str:
