@@ -37,7 +37,11 @@ def page(study: Study) -> str:
     tables = {block.name: hoisted(block.name, study.loop.functions(block)) for block in blocks}
     if large := [name for name, table in tables.items() if "stage" in table]:
         raise BlockError(f"{large[0]} has too many equations for a page")
-    calls = [*_calls(tables), Call("measures", study.formulas, ("sums", "h", "steps", "window"), ("values",))]
+    calls = [
+        *_calls(tables),
+        Call("measures", study.formulas, ("sums", "h", "steps", "window"), ("values",)),
+        Call("sides", study.sides, ("numbers",), ("both",)),
+    ]
     # written in any case: what it cannot express, the other one cannot either
     script = _in_javascript(calls)
     module = webassembly(calls)
@@ -87,6 +91,8 @@ def _described(study: Study, blocks: list[Block], constants: Mapping[str, int]) 
         "quantities": [dataclasses.asdict(quantity) for quantity in study.quantities],
         "measures": study.measures,
         "numbers": [dataclasses.asdict(number) for number in study.numbers],
+        "rules": study.rules,
+        "ruled": study.ruled,
         "paths": study.paths,
         "shared": study.shared,
         "given": study.given,

@@ -47,7 +47,9 @@ class Study:
 
     observers: name → label. numbers: those that stand at a path of their own; paths: Block name → the path of each of
     its numbers; shared: path → the path whose number it takes unless it is given one itself. given: path → number.
-    measures: those that `formulas` gives of the score's sums, each with its sentence, of all quantities.
+    measures: those that `formulas` gives of the score's sums, each with its sentence, of all quantities. rules: what
+    must hold between numbers, in words; `sides` gives the smaller and the larger side of each rule, of the numbers at
+    the paths `ruled`.
     """
 
     name: str
@@ -64,3 +66,6 @@ class Study:
     given: Mapping[str, float]
     measures: Mapping[str, str]
     formulas: ca.Function
+    rules: Sequence[str]
+    ruled: Sequence[str]
+    sides: ca.Function

@@ -11,6 +11,7 @@ import numpy as np
 from ..arrays import Array
 from ..block import Parameters, Symbols
 from ..dialect import clamp, outside
+from ..rules import Below
 from ..symbols import MUSCLES
 
 Curve = Callable[[ca.SX, Symbols], ca.SX]
@@ -44,13 +45,16 @@ class CurveSet:
     damping: Number | None = None  # b of the force −b u that acts beside Φ_P
     g_inv_damped: Callable[[ca.SX, ca.SX, Symbols], ca.SX] | None = None  # the u with g(u) − βu = z, over (z, β)
     tables: Mapping[str, Sequence[tuple[float, float]]] | None = None  # the points of curves that a user gave as tables
-    # why a tendon's numbers make no curve that rises, or an empty string
-    objection: Callable[[Mapping[str, float]], str] = lambda values: ""
+    rises: Below | None = None  # what a tendon's numbers must fulfil for its curve to rise
 
     @property
     def parameters(self) -> Parameters:
         """All numbers of the curves: the tendon's, then the fibre's."""
         return {**self.tendon, **self.fibre}
+
+    def objection(self, tendon: Mapping[str, float]) -> str:
+        """Why a tendon's numbers make no curve that rises, or an empty string."""
+        return self.rises.objection(tendon) if self.rises else ""
 
     def activation(self, F: ca.SX, L_C: ca.SX, u: ca.SX, p: Symbols) -> ca.SX:
         """The activation of a muscle with tendon force F and fibre length L_C that shortens with velocity u."""

@@ -7,13 +7,14 @@ Asian Journal of Control 2019, arXiv:1712.00522: [PhiSj], [PhiPj], [fj], [gj].
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import casadi as ca
 
 from ..block import Parameter, Parameters, Symbols
 from ..dialect import clamp
+from ..rules import Below
 from .curve_set import CurveSet
 
 _PAPER = "paper, "
@@ -134,12 +135,12 @@ def _g(u: ca.SX, p: Symbols) -> ca.SX:
     return (1 - w) * (v * (A + 1) * g_max + A * (g_max - 1)) / ((1 + w / A) * (A * (g_max - 1) + v * (A + 1)))
 
 
-def _objection(values: Mapping[str, float]) -> str:
-    slope, limit = values["k"] * values["toe"], _STEEPEST * values["F_toe"]
-    if slope < limit:
-        return ""
-    return f"k·toe = {slope:.6g} must be below 2.5 F_toe = {limit:.6g}, or the tendon force does not rise in the toe"
-
+_RISES = Below(
+    "k·toe",
+    f"{_STEEPEST:g} F_toe",
+    "or the tendon force does not rise in the toe",
+    lambda p: (p.k * p.toe, _STEEPEST * p.F_toe),
+)
 
 NGUYEN2019 = CurveSet(
     name="nguyen2019",
@@ -155,7 +156,7 @@ NGUYEN2019 = CurveSet(
     g_inv=_g_inv,
     toe_force=lambda p: p.F_toe,
     Phi_S_inv_near=_Phi_S_inv_near,
-    objection=_objection,
+    rises=_RISES,
 )
 
 # the six decimals of [PhiSj] as printed, highest power first

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
+
+import casadi as ca
 
 from ...codegen.targets.page import page
 from ...codegen.targets.study import Number, Shown, Study
-from ...model.block import Parameter
+from ...model.block import Parameter, Symbols
 from ...model.symbols import signal_of
 from ..files.versions import __version__
 from ..files.writing import refuse_overwriting, writable_folder, write_whole
@@ -17,6 +19,7 @@ from ..scenarios.layers import Value
 from ..scenarios.observers import Observers
 from ..scenarios.paths import block_paths
 from ..scenarios.prepare import Prepared, prepare
+from ..scenarios.rules import Rule
 from ..simulate.measures import SENTENCES, measures_of
 from .reach import FAR, NEAR, reach
 
@@ -52,6 +55,8 @@ def study_of(prepared: Prepared) -> Study:
     of_truth = of[loop.truth.name]
     every = dict.fromkeys(path for block in of.values() for path in block)
     own = dict.fromkeys(paths.origin(path, scenario.given) for path in every)
+    rules = [rule for rule in prepared.rules if all(path in every for path in rule.paths.values())]
+    ruled, sides = _ruled(rules)
     return Study(
         name=prepared.label,
         sentence=scenario.description,
@@ -70,7 +75,21 @@ def study_of(prepared: Prepared) -> Study:
         given={path: value for path, value in scenario.given.items() if path in every or path in own},
         measures=SENTENCES,
         formulas=measures_of(tuple(loop.score.x), prepared.quantities, tuple(SENTENCES)),
+        rules=[str(rule) for rule in rules],
+        ruled=ruled,
+        sides=sides,
     )
+
+
+def _ruled(rules: Sequence[Rule]) -> tuple[list[str], ca.Function]:
+    """The paths that the rules are about, and both sides of each."""
+    paths = [*dict.fromkeys(path for rule in rules for path in rule.paths.values())]
+    column = ca.SX.sym("numbers", len(paths))
+    at = dict(zip(paths, ca.vertsplit(column), strict=True))
+    given = (Symbols({name: at[path] for name, path in rule.paths.items()}) for rule in rules)
+    sides = [side for rule, numbers in zip(rules, given, strict=True) for side in rule.below.sides(numbers)]
+    both = ca.densify(ca.vertcat(*sides)) if sides else ca.SX(0, 1)
+    return paths, ca.Function("sides", [column], [both], ["numbers"], ["both"])
 
 
 def _shared(every: Mapping[str, None], parameters: Mapping[str, Parameter]) -> Iterator[tuple[str, str]]:

@@ -35,5 +35,7 @@ def reach(path: str, about: Parameter, value: float, times: float) -> Reach:
     down = value - low if math.isfinite(low) else _FURTHER * (high - value)
     up = high - value if math.isfinite(high) else _FURTHER * (value - low)
     # it stops before a bound that it must not reach
-    down, up = (_NEARLY * way if strict else way for way, strict in ((down, about.above >= low), (up, about.below <= high)))
+    down, up = (
+        _NEARLY * way if strict else way for way, strict in ((down, about.above >= low), (up, about.below <= high))
+    )
     return ((value - down, value + up) if down + up else None), False

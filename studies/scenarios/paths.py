@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 from ...model.block import Block, Parameter
-from ...model.curves import CurveSet
 from ...model.signals.pulses import PULSES
 from ...model.symbols import MUSCLES
 from ..files.errors import ScenarioError
@@ -111,15 +110,6 @@ class Paths:
     def values(self, block: Block, given: Mapping[str, float]) -> list[float]:
         """The numbers of `block`."""
         return [self.value(path, given) for path in block_paths(block)]
-
-    def check(self, curves: Mapping[str, CurveSet], given: Mapping[str, float]) -> None:
-        """ScenarioError if the curves of any Block, by muscle, make no sense with these numbers."""
-        for block in self.blocks:
-            for prefix in [path.removesuffix(".L_slack") for path in block_paths(block) if path.endswith(".L_slack")]:
-                curve_set = curves[prefix.rpartition(".")[2]]
-                numbers = {key: self.value(f"{prefix}.{key}", given) for key in curve_set.tendon}
-                if objection := curve_set.objection(numbers):
-                    raise ScenarioError(f"{prefix}: {objection}")
 
 
 def paths_of(

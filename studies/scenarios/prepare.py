@@ -20,6 +20,7 @@ from .grid import time_grid
 from .layers import Value, layers
 from .observers import Observers, observers_named, own_among
 from .paths import Paths
+from .rules import Rule, rules
 from .scenario import Scenario, choices, scenario
 from .world import named_mechanism, world_of
 
@@ -69,6 +70,11 @@ class Prepared:
     def value(self, path: str) -> float:
         """The number at `path`."""
         return self.paths.value(path, self.scenario.given)
+
+    @property
+    def rules(self) -> list[Rule]:
+        """What must hold between its numbers, those of observers that are not asked for too."""
+        return [*rules(self.loop.truth, self.paths.blocks, self.system.curves)]
 
     def further_states(self) -> Iterator[tuple[str, str, str]]:
         """Variable of the result, observer and state, for each state that is no estimate; with a dot it is inner."""
@@ -125,23 +131,19 @@ def assemble(
     """The Blocks that run a scenario; ScenarioError for numbers that do not fit together."""
     world = checked.world
     paths = world.paths(tuple(own_among(chosen).values()), corrected)
-    paths.check(world.system.curves, checked.given)
     loop = world.loop(chosen, corrected, quantities, measures)
     grid = time_grid(lambda path: paths.value(path, checked.given), world.pulses)
     prepared = Prepared(checked, loop, paths, grid, chosen, corrected, quantities, measures)
-    _check_force_factors(prepared)
+    _check_numbers(prepared)
     _check_samples(prepared)
     _check_variables(prepared)
     return prepared
 
 
-def _check_force_factors(prepared: Prepared) -> None:
-    for muscle in prepared.system.muscles:
-        limit, pole = f"{muscle}.z_max", f"{muscle}.g_max"
-        if {limit, pole} <= set(prepared.loop.truth.p) and prepared.value(limit) >= prepared.value(pole):
-            raise ScenarioError(
-                f"{limit} = {prepared.value(limit):g} must be below {pole} = {prepared.value(pole):g}, the pole of g⁻¹"
-            )
+def _check_numbers(prepared: Prepared) -> None:
+    for rule in prepared.rules:
+        if objection := rule.objection(prepared.paths, prepared.scenario.given):
+            raise ScenarioError(objection)
 
 
 def _check_samples(prepared: Prepared) -> None:

@@ -40,19 +40,22 @@ if (language === "javascript") {
   m = new Float64Array(f.memory.buffer);
 }
 const runner = runnable(study, f, m, places), settings = settingsOf(study);
-const names = study.quantities.map(({ name }) => name), text = (x) => (x === x ? x : null);
+const observers = Object.keys(study.observers), names = study.quantities.map(({ name }) => name);
+const text = (x) => (x === x ? x : null);
 process.stdout.write(JSON.stringify(asked.map(({ changes, seed, coarser }) => {
   settings.reset();
   for (const [path, number] of Object.entries(changes)) {
     const wrong = settings.set(path, number);
     if (wrong) throw Error(`${path} must be ${wrong}`);
   }
+  const broken = runner.broken(settings.value);
+  if (broken) return { broken };
   runner.run(settings.value, seed, coarser);
   return {
     truth: names.map((name) => Array.from(runner.truth(name), text)),
-    estimates: Object.keys(study.observers).map((one) => names.map((name) => Array.from(runner.estimate(one, name), text))),
+    estimates: observers.map((one) => names.map((name) => Array.from(runner.estimate(one, name), text))),
     measures: Object.keys(study.measures).map((which) =>
-      Object.keys(study.observers).map((one) => names.map((_, i) => text(runner.measure(one, which, i))))),
+      observers.map((one) => names.map((_, i) => text(runner.measure(one, which, i))))),
     failures: { ...runner.failures },
   };
 })));
@@ -94,8 +97,7 @@ def assert_shows(shown: Mapping[str, Sequence], prepared: Prepared) -> None:
     hats = [hat(name) for name in prepared.quantities]
     assert_close(shown["truth"], [columns(traces["truth"], blocks["truth"], prepared.quantities)])
     assert_close(shown["estimates"], [columns(traces[name], blocks[name], hats) for name in prepared.observers])
-    truth = traces["truth"].failure
-    failures = {name: truth or traces[name].failure for name in ("truth", *prepared.observers)}
+    failures = {name: traces[name].failure for name in ("truth", *prepared.observers)}
     assert {name: failure and failure["time"] for name, failure in shown["failures"].items()} == {
         name: failure and pytest.approx(failure.time) for name, failure in failures.items()
     }

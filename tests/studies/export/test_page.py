@@ -11,7 +11,7 @@ from hillobs.codegen.targets import page as writer
 from hillobs.model.block import Block, BlockError, symbols
 from hillobs.observers import ESTIMATES, OBSERVERS
 from hillobs.studies.export.pages import export_page, study_of
-from hillobs.studies.files.errors import ResultError
+from hillobs.studies.files.errors import ResultError, ScenarioError
 from hillobs.studies.scenarios.prepare import prepare
 from pages import Page, asked, assert_shows, needs_node
 from places import OF_THE_PAIR
@@ -78,7 +78,19 @@ def test_each_end_of_each_slider_is_what_the_studies_compute(language: str, tmp_
     page = written(tmp_path)
     ends = [{number["path"]: end} for number in page.study["numbers"] if number["reach"] for end in number["reach"]]
     for changes, shown in zip(ends, page.run(*map(asked, ends)), strict=True):
-        assert_shows(shown, prepare("paper-noisy", None, {**SHORT, **changes}))
+        if "broken" in shown:
+            with pytest.raises(ScenarioError, match="must be below"):
+                prepare("paper-noisy", None, {**SHORT, **changes})
+        else:
+            assert_shows(shown, prepare("paper-noisy", None, {**SHORT, **changes}))
+
+
+@needs_node
+def test_numbers_that_do_not_fit_together_are_named_and_nothing_runs(tmp_path: Path) -> None:
+    page = written(tmp_path, changes={**SHORT, "plant.drive": "requested"})
+    steep, far = page.run(asked({"muscle2.k": 40.0}), asked({"muscle1.z_max": 1.6}))
+    assert steep == {"broken": "muscle2: k·toe must be below 2.5 F_toe, or the tendon force does not rise in the toe"}
+    assert far == {"broken": "muscle1.z_max must be below muscle1.g_max, the pole of g⁻¹"}
 
 
 def test_it_is_one_small_file_that_asks_for_nothing(tmp_path: Path) -> None:

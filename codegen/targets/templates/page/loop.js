@@ -25,7 +25,7 @@ function arranged(study, begin) {
     });
   const widest = Math.max(...Object.keys(study.observers).map((name) => blocks[name].y.length));
   return {
-    of, t: room(1), h: room(1), steps: room(1), window: room(1), held: room(study.held), nothing: room(1),
+    of, ruled: room(study.ruled.length), sides: room(2 * study.rules.length), t: room(1), h: room(1), steps: room(1), window: room(1), held: room(study.held), nothing: room(1),
     noise: room(points * study.noise), seen: room(points * stages * study.seen), true: room(points * truth.y.length),
     measured: room(points * stages * sensors.y.length), scored: room(truth.y.length + widest), kept: room(kept * truth.y.length),
     end,
@@ -91,7 +91,7 @@ function runnable(study, f, m, places) {
       out(places.t, part.c, x, places.held, places.nothing, now, part.domain);
       copy(now, nTruth, part.y);
       const wrong = beyond(truth, x, part);
-      if (wrong) return { time: k * grid.h, name: wrong };
+      if (wrong) return { k, time: k * grid.h, name: wrong };
       keep(k, now, nTruth, places.kept);
       step(places.t, part.c, x, places.held, places.nothing, moved, places.seen + k * stages * study.seen);
       [x, moved] = [moved, x];
@@ -143,11 +143,11 @@ function runnable(study, f, m, places) {
     hold(0);
     m.fill(NaN, part.kept, part.kept + kept() * n);
     m.fill(NaN, part.measures, part.measures + Object.keys(study.measures).length * study.quantities.length);
-    // nothing is known of a truth that is not there
-    if (failures.truth) return failures.truth;
     m.fill(0, sums, sums + score.x.length);
     f[`${name}_init`](places.t, part.p, places.held, staged, x);
-    for (let k = 0; k <= grid.steps; ++k) {
+    // nothing is known of a truth that is not there
+    const last = failures.truth ? failures.truth.k - 1 : grid.steps;
+    for (let k = 0; k <= last; ++k) {
       const here = staged + k * stages * nStaged, atSample = sampled(k), counts = atSample || !block.sampled;
       if (!counts && k % grid.record) continue;
       hold(k);
@@ -155,7 +155,7 @@ function runnable(study, f, m, places) {
       if (each) each(places.t, part.c, x, places.held, here, moved), ([x, moved] = [moved, x]);
       out(places.t, part.c, x, places.held, here, part.y, part.domain);
       const wrong = beyond(block, x, part);
-      if (wrong) return { time: k * grid.h, name: wrong };
+      if (wrong) return { k, time: k * grid.h, name: wrong };
       keep(k, part.y, n, part.kept);
       if (counts) {
         copy(places.true + k * nTruth, nTruth, places.scored);
@@ -168,6 +168,7 @@ function runnable(study, f, m, places) {
       step(places.t, part.c, x, places.held, here, moved, places.nothing);
       [x, moved] = [moved, x];
     }
+    if (failures.truth) return null;
     // errors of what moves at samples only are counted there
     const every = block.sampled && grid.hold ? grid.hold : 1;
     m[places.h] = grid.h * every;
@@ -183,6 +184,13 @@ function runnable(study, f, m, places) {
     if (old && old.length === numbers.length && old.every((number, i) => Object.is(number, numbers[i]))) return false;
     computedWith[pass] = numbers;
     return true;
+  }
+
+  /** The first rule that numbers break, in words; an empty text if none is broken. */
+  function broken(value) {
+    m.set(study.ruled.map(value), places.ruled);
+    f.sides(places.ruled, places.sides);
+    return study.rules.find((_, i) => !(m[places.sides + 2 * i] < m[places.sides + 2 * i + 1])) ?? "";
   }
 
   /** Runs what has changed: `value` tells the number at a path; steps are so many times `coarser`. */
@@ -218,7 +226,7 @@ function runnable(study, f, m, places) {
   const series = (begin, output) => m.subarray(begin + output * kept(), begin + (output + 1) * kept());
 
   return {
-    run, failures,
+    run, broken, failures,
     times: () => Float64Array.from({ length: kept() }, (_, i) => i * grid.record * grid.h),
     truth: (name) => series(places.kept, truth.y.indexOf(name)),
     estimate: (observer, name) => series(places.of[observer].kept, blocks[observer].y.indexOf(`${name}_hat`)),

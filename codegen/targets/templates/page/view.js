@@ -56,7 +56,9 @@ async function begin() {
 
   /** Runs what has changed and shows it; steps are larger while something moves. */
   function show(moving) {
-    const start = performance.now();
+    const start = performance.now(), broken = runner.broken(settings.value);
+    byId("failures").textContent = broken;
+    if (broken) return;
     runner.run(settings.value, settings.seed(), moving ? coarser : 1);
     const computed = performance.now();
     charts.draw(shown);
