@@ -2,8 +2,8 @@
 
 // steps are so many times larger while a slider is moved, if the grid allows it
 const COARSER = 2;
-// of a slider
-const POSITIONS = 1000;
+// of a slider, and digits that tell neighbouring ones apart
+const POSITIONS = 1000, DIGITS = 4;
 // the section that comes first
 const NOISE = "noise";
 const FIRST_SHOWN = ["x2", "Delta", "u1", "a1"];
@@ -178,7 +178,7 @@ async function begin() {
       const move = (moving) => {
         // the place where it stood at first is its very number
         const position = Number(slider.value), first = Math.round(where(value) * POSITIONS);
-        const to = position === first ? value : Number(at(position / POSITIONS).toPrecision(3));
+        const to = position === first ? value : Number(at(position / POSITIONS).toPrecision(DIGITS));
         box.value = String(to);
         slider.setAttribute("aria-valuetext", box.value);
         change(to, moving);
@@ -270,8 +270,8 @@ async function begin() {
   buildControls();
   take(location.hash.slice(1));
   paint();
-  document.body.classList.remove("loading");
   show(false);
+  document.body.classList.remove("loading");
   window.addEventListener("hashchange", () => { take(location.hash.slice(1)); paint(); show(false); });
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", charts.redraw);
 }
