@@ -13,11 +13,11 @@ from string import Template
 
 import casadi as ca
 
-from ...model.block import Block, BlockError
+from ...model.block import Block
 from ..constants import hoisted
 from ..export import ROLES
 from ..loop import Loop
-from ..stepper import NODES, STAGES
+from ..stepper import NODES, STAGES, WEIGHTS
 from .javascript import javascript
 from .study import Study
 from .webassembly import Call, webassembly
@@ -35,8 +35,6 @@ def page(study: Study) -> str:
     """
     blocks = _blocks(study)
     tables = {block.name: hoisted(block.name, study.loop.functions(block)) for block in blocks}
-    if large := [name for name, table in tables.items() if "stage" in table]:
-        raise BlockError(f"{large[0]} has too many equations for a page")
     calls = [
         *_calls(tables),
         Call("measures", study.formulas, ("sums", "h", "steps", "window"), ("values",)),
@@ -89,6 +87,7 @@ def _described(study: Study, blocks: list[Block], constants: Mapping[str, int]) 
         "grid": dataclasses.asdict(grid),
         "observers": study.observers,
         "quantities": [dataclasses.asdict(quantity) for quantity in study.quantities],
+        "first": study.first,
         "measures": study.measures,
         "numbers": [dataclasses.asdict(number) for number in study.numbers],
         "rules": study.rules,
@@ -99,6 +98,7 @@ def _described(study: Study, blocks: list[Block], constants: Mapping[str, int]) 
         "roles": _roles(loop),
         "stages": STAGES,
         "nodes": NODES,
+        "weights": WEIGHTS,
         "noise": len(loop.noise),
         "held": len(loop.held),
         "seen": len(loop.seen),
@@ -106,16 +106,10 @@ def _described(study: Study, blocks: list[Block], constants: Mapping[str, int]) 
     }
 
 
-def _roles(loop: Loop) -> Mapping[str, str]:
+def _roles(loop: Loop) -> Mapping[str, str | None]:
     bank = loop.bank
-    front, near = (bank.named()[role].name for role in ("Front", "Near"))
-    return {
-        "truth": loop.truth.name,
-        "sensors": loop.sensors.name,
-        "front": front,
-        "near": near,
-        "score": loop.score.name,
-    }
+    named = {"truth": loop.truth, "sensors": loop.sensors, "score": loop.score, "front": bank.front, "near": bank.near}
+    return {role: block.name if block else None for role, block in named.items()}
 
 
 def _part(block: Block, constants: int) -> Mapping[str, object]:

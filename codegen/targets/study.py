@@ -45,11 +45,11 @@ class Shown:
 class Study:
     """A scenario to be written for a target.
 
-    observers: name → label. numbers: those that stand at a path of their own; paths: Block name → the path of each of
-    its numbers; shared: path → the path whose number it takes unless it is given one itself. given: path → number.
-    measures: those that `formulas` gives of the score's sums, each with its sentence, of all quantities. rules: what
-    must hold between numbers, in words; `sides` gives the smaller and the larger side of each rule, of the numbers at
-    the paths `ruled`.
+    observers: name → label. first: the quantities that are shown at first. numbers: those that stand at a path of their
+    own; paths: Block name → the path of each of its numbers; shared: path → the path whose number it takes unless it is
+    given one itself. given: path → number. measures: those that `formulas` gives of the score's sums, each with its
+    sentence, of all quantities. rules: what must hold between numbers, in words; `sides` gives the smaller and the
+    larger side of each rule, of the numbers at the paths `ruled`.
     """
 
     name: str
@@ -60,6 +60,7 @@ class Study:
     seed: int
     observers: Mapping[str, str]
     quantities: Sequence[Shown]
+    first: Sequence[str]
     numbers: Sequence[Number]
     paths: Mapping[str, Sequence[str]]
     shared: Mapping[str, str]

@@ -12,7 +12,7 @@ import casadi as ca
 from ...codegen.targets.page import page
 from ...codegen.targets.study import Number, Shown, Study
 from ...model.block import Parameter, Symbols
-from ...model.symbols import signal_of
+from ...model.symbols import kind_of, signal_of
 from ..files.versions import __version__
 from ..files.writing import refuse_overwriting, writable_folder, write_whole
 from ..scenarios.layers import Value
@@ -23,6 +23,8 @@ from ..scenarios.rules import Rule
 from ..simulate.measures import SENTENCES, measures_of
 from .reach import FAR, NEAR, reach
 
+# one of each of these is shown at first
+_FIRST = ("dq", "Delta", "u", "a")
 _BELOW = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 _LETTERS = {"Delta": "Δ", "dq": "q̇"}
 
@@ -55,6 +57,7 @@ def study_of(prepared: Prepared) -> Study:
     of_truth = of[loop.truth.name]
     every = dict.fromkeys(path for block in of.values() for path in block)
     own = dict.fromkeys(paths.origin(path, scenario.given) for path in every)
+    first = {kind_of(name): name for name in reversed(prepared.quantities) if kind_of(name) in _FIRST}
     rules = [rule for rule in prepared.rules if all(path in every for path in rule.paths.values())]
     ruled, sides = _ruled(rules)
     return Study(
@@ -66,6 +69,7 @@ def study_of(prepared: Prepared) -> Study:
         seed=scenario.seed,
         observers={name: observer.label for name, observer in prepared.chosen.items()},
         quantities=[Shown(name, _symbol(name), signal_of(name).sentence) for name in prepared.quantities],
+        first=[*first.values()],
         numbers=[
             _number(path, paths.parameters[path], prepared.value(path), NEAR if path in of_truth else FAR)
             for path in own

@@ -9,6 +9,7 @@ import pytest
 
 from hillobs.codegen.targets import page as writer
 from hillobs.model.block import Block, BlockError, symbols
+from hillobs.model.curves import SIMULATED
 from hillobs.observers import ESTIMATES, OBSERVERS
 from hillobs.studies.export.pages import export_page, study_of
 from hillobs.studies.files.errors import ResultError, ScenarioError
@@ -61,6 +62,25 @@ def test_seeds_and_steps_are_those_of_the_studies(tmp_path: Path) -> None:
     assert_shows(one, prepare("paper-noisy", None, {**SHORT, "seed": 5}))
     assert_shows(other, prepare("paper-noisy", None, {**SHORT, "seed": large}))
     assert_shows(coarse, prepare("paper-noisy", None, {**SHORT, "seed": 5, "step": 1e-3}))
+
+
+@needs_node
+@pytest.mark.chaos
+def test_joints_and_muscles_are_as_those_of_the_pair(language: str, tmp_path: Path) -> None:
+    changes = {"duration": 1.0, "score.start": 0.4}
+    moves = [{}, {"high_gain.TRIlat.eps_L": 0.2, "high_gain.elbow.eps_h": 0.05}]
+    page = written(tmp_path, "hinge", ["high_gain", "adaptive_sliding_mode"], changes)
+    for move, shown in zip(moves, page.run(*map(asked, moves)), strict=True):
+        assert_shows(shown, prepare("hinge", [*page.study["observers"]], {**changes, **move}))
+
+
+@needs_node
+@pytest.mark.chaos
+@pytest.mark.parametrize("curves", SIMULATED)
+def test_all_curves(language: str, curves: str, tmp_path: Path) -> None:
+    changes = {**SHORT, "muscle.curves": curves}
+    (shown,) = written(tmp_path, changes=changes).run(asked({}))
+    assert_shows(shown, prepare("paper-noisy", None, changes))
 
 
 @needs_node

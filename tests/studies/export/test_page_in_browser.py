@@ -71,10 +71,11 @@ def shown(page: Page) -> dict:
     """What charts and table show: a number for each line."""
     return page.evaluate(
         """() => {
-            const { study, runner } = hillobs, sum = (values) => values.reduce((a, b) => a + (b === b ? b * b : 1e9), 0);
-            const names = study.quantities.map(({ name }) => name), lines = {};
+            const { study, runner } = hillobs, names = study.quantities.map(({ name }) => name), lines = {};
+            const sum = (values) => values.reduce((a, b) => a + (b === b ? b * b : 1e9), 0);
             lines.truth = names.map((name) => sum(runner.truth(name)));
-            for (const one of Object.keys(study.observers)) lines[one] = names.map((name) => sum(runner.estimate(one, name)));
+            for (const one of Object.keys(study.observers))
+                lines[one] = names.map((name) => sum(runner.estimate(one, name)));
             lines.table = document.getElementById("measures").innerText;
             return lines;
         }"""
@@ -88,8 +89,9 @@ def test_it_fits_the_screen_and_every_control_has_a_name(browser, file, viewport
     width = page.evaluate("document.documentElement.scrollWidth")
     assert width <= viewport["width"]
     nameless = page.evaluate(
-        """() => [...document.querySelectorAll("input, button, select")].filter((one) =>
-            !one.labels?.length && !one.getAttribute("aria-label") && !one.innerText.trim()).map((one) => one.outerHTML)"""
+        """() => [...document.querySelectorAll("input, button, select")]
+            .filter((one) => !one.labels?.length && !one.getAttribute("aria-label") && !one.innerText.trim())
+            .map((one) => one.outerHTML)"""
     )
     assert nameless == []
     assert page.locator("#charts figure:visible").count() == 4
@@ -150,7 +152,9 @@ def test_a_link_carries_what_was_set_and_what_is_shown(browser, file) -> None:
 
 
 def test_a_link_that_makes_no_sense_is_told_and_the_page_runs(browser, file) -> None:
-    page = opened(browser, file, "#high_gain.eps_h=-1&nothing=3&seed=x&measure=none&show=,,&a=<img src=x onerror=alert(1)>")
+    page = opened(
+        browser, file, "#high_gain.eps_h=-1&nothing=3&seed=x&measure=none&show=,,&a=<img src=x onerror=alert(1)>"
+    )
     words = page.locator("#status").inner_text()
     assert "high_gain.eps_h=-1" in words
     assert "nothing=3" in words
@@ -162,7 +166,9 @@ def test_a_link_that_makes_no_sense_is_told_and_the_page_runs(browser, file) -> 
 
 def test_what_fails_is_told_in_words(browser, file) -> None:
     page = opened(browser, file, "#high_gain.eps_h=0.0001")
-    assert re.match(r"HGO failed at τ = \d+(\.\d+)?e?[−\d]*: \w+ is beyond its limit", page.locator("#failures").inner_text())
+    assert re.match(
+        r"HGO failed at τ = \d+(\.\d+)?e?[−\d]*: \w+ is beyond its limit", page.locator("#failures").inner_text()
+    )
     page.close()
     page = opened(browser, file, "#muscle1.k=40")
     assert "must be below 2.5 F_toe" in page.locator("#failures").inner_text()

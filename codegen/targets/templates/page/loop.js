@@ -14,12 +14,13 @@ function arranged(study, begin) {
   const [truth, sensors, front, near, score] = ["truth", "sensors", "front", "near", "score"].map((role) => blocks[roles[role]]);
   const part = (block) => ({
     p: room(block.p.length), c: room(block.constants), x: room(block.x.length), moved: room(block.x.length),
+    at: room(block.x.length), dx: room(block.x.length), node: room(1),
     y: room(block.y.length), domain: room(block.domain.length), scales: room(block.x.length + block.y.length),
   });
   const of = Object.fromEntries(Object.entries(blocks).map(([name, block]) => [name, part(block)]));
   for (const name of Object.keys(study.observers))
     Object.assign(of[name], {
-      front: part(front), near: part(near), staged: room(points * stages * (sensors.y.length + front.y.length)),
+      front: part(front), near: near && part(near), staged: room(points * stages * (sensors.y.length + front.y.length)),
       sums: room(score.x.length), summed: room(score.x.length), kept: room(kept * blocks[name].y.length),
       measures: room(Object.keys(study.measures).length * study.quantities.length),
     });
@@ -34,7 +35,7 @@ function arranged(study, begin) {
 
 /** A study that can be run again and again with other numbers, by functions `f` over the array `m`. */
 function runnable(study, f, m, places) {
-  const { blocks, roles, stages, nodes } = study;
+  const { blocks, roles, stages, nodes, weights } = study;
   const [truth, sensors, front, score] = ["truth", "sensors", "front", "score"].map((role) => blocks[roles[role]]);
   const nTruth = truth.y.length, nMeasured = sensors.y.length, nFront = front.y.length, nStaged = nMeasured + nFront;
   const names = Object.keys(study.observers);
@@ -77,9 +78,27 @@ function runnable(study, f, m, places) {
     if (k % grid.record === 0) for (let i = 0; i < size; ++i) m[to + i * kept() + k / grid.record] = m[outputs + i];
   }
 
+  /** A step of RK4 by what a block's function of one stage tells, if that of a whole step would be too large. */
+  function byStages(name) {
+    const stage = f[`${name}_stage`], n = blocks[name].x.length, { at, dx, node } = places.of[name];
+    return (t, c, x, held, staged, next, seen) => {
+      copy(x, n, at);
+      copy(x, n, next);
+      for (let i = 0; i < stages; ++i) {
+        // k_i = f(t + c_i h, x + c_i h k_{i−1}),  x⁺ = x + h Σ b_i k_i; the function tells h k_i
+        m[node] = nodes[i];
+        if (i) for (let j = 0; j < n; ++j) m[at + j] = m[x + j] + nodes[i] * m[dx + j];
+        stage(t, node, c, at, held, staged + i * stagedOf(name), dx, seen + i * study.seen);
+        for (let j = 0; j < n; ++j) m[next + j] += weights[i] * m[dx + j];
+      }
+    };
+  }
+  const stepOf = (name) => f[`${name}_step`] ?? byStages(name);
+  const stagedOf = (name) => (name === roles.truth ? 0 : nStaged);
+
   /** What the truth does. Returns its failure, if there is one. */
   function move(p) {
-    const name = roles.truth, part = places.of[name], step = f[`${name}_step`], out = f[`${name}_out`];
+    const name = roles.truth, part = places.of[name], step = stepOf(name), out = f[`${name}_out`];
     let { x, moved } = part;
     prepare(name, p);
     hold(0);
@@ -117,18 +136,19 @@ function runnable(study, f, m, places) {
 
   /** What an observer's front makes of the measurements, before any state: at all stages. */
   function look(p, part) {
-    const full = f[`${roles.front}_out`], quick = f[`${roles.near}_out`], { y } = part.near;
+    const { near, staged } = part, full = f[`${roles.front}_out`], quick = f[`${roles.near}_out`];
     prepare(roles.front, p, part.front);
-    prepare(roles.near, p, part.near);
+    if (near) prepare(roles.near, p, near);
     for (let k = 0; k <= grid.steps; ++k) {
-      const here = part.staged + k * stages * nStaged;
+      const here = staged + k * stages * nStaged;
       for (let i = 0; i < stages; ++i) copy(places.measured + (k * stages + i) * nMeasured, nMeasured, here + i * nStaged);
-      quick(places.t, part.near.c, part.near.x, places.held, here, y, part.near.domain);
-      const doubtful = m[y + stages * nFront] !== 0;
+      // the quick one tells all stages at once, and whether it doubts that
+      if (near) quick(places.t, near.c, near.x, places.held, here, near.y, near.domain);
+      const sure = near && m[near.y + stages * nFront] === 0;
       for (let i = 0; i < stages; ++i) {
         const stage = here + i * nStaged;
-        if (doubtful) full(places.t, part.front.c, part.front.x, places.held, stage, stage + nMeasured, part.front.domain);
-        else copy(y + i * nFront, nFront, stage + nMeasured);
+        if (sure) copy(near.y + i * nFront, nFront, stage + nMeasured);
+        else full(places.t, part.front.c, part.front.x, places.held, stage, stage + nMeasured, part.front.domain);
       }
     }
   }
@@ -136,7 +156,7 @@ function runnable(study, f, m, places) {
   /** What an observer makes of what it sees, and its score. Returns its failure, if there is one. */
   function observe(name, p, staged) {
     const block = blocks[name], part = places.of[name], n = block.y.length, ofScore = places.of[roles.score];
-    const [step, out, jump, each] = ["step", "out", "sample", "each"].map((role) => f[`${name}_${role}`]);
+    const step = stepOf(name), [out, jump, each] = ["out", "sample", "each"].map((role) => f[`${name}_${role}`]);
     const [account, accountOfSample] = ["each", "sample"].map((role) => f[`${roles.score}_${role}`]);
     let { x, moved, sums, summed } = part;
     prepare(name, p);

@@ -6,7 +6,6 @@ const COARSER = 2;
 const POSITIONS = 1000, DIGITS = 4;
 // the section that comes first
 const NOISE = "noise";
-const FIRST_SHOWN = ["x2", "Delta", "u1", "a1"];
 
 const byId = (id) => document.getElementById(id);
 
@@ -82,10 +81,7 @@ async function begin() {
     if (measure !== Object.keys(study.measures)[0]) words.push(["measure", measure]);
     return settings.link(words);
   };
-  const firstShown = () => {
-    const usual = study.quantities.map(({ name }) => name).filter((name) => FIRST_SHOWN.includes(name));
-    return usual.length ? usual : study.quantities.slice(0, FIRST_SHOWN.length).map(({ name }) => name);
-  };
+  const firstShown = () => study.quantities.map(({ name }) => name).filter((name) => study.first.includes(name));
 
   /** What failed, in words; else nothing. */
   function tell() {
@@ -159,7 +155,7 @@ async function begin() {
     const id = `number-${path}`, row = made("div", { class: "number" });
     const box = made("input", { id, type: "text", inputmode: "decimal", autocomplete: "off", "aria-describedby": `${id}-said` });
     const said = made("span", { id: `${id}-said`, class: "said" }, sentence + (unit === "1" ? "" : ` [${unit}]`));
-    const label = made("label", { for: id }, path.split(".").slice(-1)[0].replace(/_/g, "_\u200b"));
+    const label = made("label", { for: id }, path.slice(path.indexOf(".") + 1).replace(/[._]/g, "$&\u200b"));
     row.append(label, box, said);
     const change = (to, moving) => {
       const wrong = settings.set(path, to);
