@@ -23,7 +23,9 @@ from .study import Study
 from .webassembly import Call, webassembly
 
 _FILES = resources.files("hillobs.codegen.targets.templates.page")
-_SCRIPTS = ("noise.js", "loop.js", "settings.js", "charts.js", "view.js")
+# in the order of use; those that need no document come first
+_COMPUTING = ("noise.js", "places.js", "passes.js", "runner.js", "settings.js")
+_SHOWING = ("elements.js", "kernel.js", "choices.js", "charts.js", "table.js", "controls.js", "view.js")
 # no guard is counted on a page
 _UNUSED = ("watch",)
 
@@ -55,7 +57,8 @@ def page(study: Study) -> str:
         "style": _text("page.css") + _text("uPlot/uPlot.min.css"),
         "licence": _text("uPlot/LICENSE"),
         "uplot": _text("uPlot/uPlot.iife.min.js"),
-        "scripts": "\n".join(map(_text, _SCRIPTS)),
+        "computing": "\n".join(map(_text, _COMPUTING)),
+        "showing": "\n".join(map(_text, _SHOWING)),
     }
     return Template(_text("page.html")).substitute(words)
 

@@ -13,13 +13,21 @@ from hillobs.model.block import BlockError
 
 NODE = shutil.which("node")
 x, y = ca.SX.sym("x"), ca.SX.sym("y")
-ONE = "sqrt fabs exp log sin cos tan asin acos atan sinh cosh tanh asinh acosh atanh expm1 log1p floor ceil sign logic_not"
+ONE = "sqrt fabs exp log sin cos tan asin acos atan sinh cosh tanh asinh acosh atanh expm1 log1p floor ceil sign"
 TWO = "atan2 hypot fmax fmin logic_and logic_or"
 EXPRESSIONS = {
     **{name: getattr(ca, name)(x) for name in ONE.split()},
     **{name: getattr(ca, name)(x, y) for name in TWO.split()},
     **{"+": x + y, "-": x - y, "*": x * y, "/": x / y, "**": x**y, "neg": -x, "sq": x**2, "x**3": x**3, "1/x": 1 / x},
-    **{"twice": 2 * x, "<": x < y, "<=": x <= y, "==": x == y, "!=": x != y, "if": ca.if_else(x < y, x, -y)},
+    **{
+        "twice": 2 * x,
+        "<": x < y,
+        "<=": x <= y,
+        "==": x == y,
+        "not": ca.logic_not(x),
+        "!=": x != y,
+        "if": ca.if_else(x < y, x, -y),
+    },
     **{
         "constants": x + 1e-300 + 0.1 + 12345678901234567.0,
         "nan": ca.if_else(x < y, ca.SX.nan(1), x),

@@ -30,16 +30,16 @@ const [study, kernel, language, asked] = JSON.parse(require("fs").readFileSync(0
 const bytes = Buffer.from(kernel, "base64");
 let places, m, f;
 if (language === "javascript") {
-  places = arranged(study, 1);
+  places = placesOf(study, 1);
   m = new Float64Array(places.end);
   f = new Function("m", bytes.toString())(m);
 } else {
   f = new WebAssembly.Instance(new WebAssembly.Module(bytes), { env: Math }).exports;
-  places = arranged(study, Math.ceil(f.__heap_base.value / 8));
+  places = placesOf(study, Math.ceil(f.__heap_base.value / 8));
   f.memory.grow(Math.ceil(8 * places.end / 65536));
   m = new Float64Array(f.memory.buffer);
 }
-const runner = runnable(study, f, m, places), settings = settingsOf(study);
+const runner = runnerOf(study, f, m, places), settings = settingsOf(study);
 const observers = Object.keys(study.observers), names = study.quantities.map(({ name }) => name);
 const text = (x) => (x === x ? x : null);
 process.stdout.write(JSON.stringify(asked.map(({ changes, seed, coarser }) => {
@@ -69,7 +69,7 @@ class Page:
         self.text = path.read_text(encoding="utf-8")
         self.study = json.loads(self.held("study"))
         self.language = re.search('id="kernel"[^>]*data-language="([a-z]*)"', self.text)[1]
-        self.scripts = re.search('<script>\n"use strict";\n(.*?)</script>', self.text, re.DOTALL)[1]
+        self.scripts = re.search('<script id="computing">(.*?)</script>', self.text, re.DOTALL)[1]
 
     def held(self, name: str) -> bytes:
         """What a script of the page holds, unpacked."""
@@ -77,10 +77,8 @@ class Page:
 
     def run(self, *asked: Mapping[str, object]) -> list[dict]:
         """What the page shows after each of several changes, one after the other, without being loaded again."""
-        # the page itself needs a document
-        scripts = self.scripts.partition("/* The page:")[0].partition("/* A chart")[0]
         given = [self.study, base64.b64encode(self.held("kernel")).decode(), self.language, asked]
-        command = [NODE, "-e", scripts + _RUNNER]
+        command = [NODE, "-e", self.scripts + _RUNNER]
         done = subprocess.run(command, input=json.dumps(given), capture_output=True, text=True, check=False)
         assert done.returncode == 0, done.stderr
         return json.loads(done.stdout)

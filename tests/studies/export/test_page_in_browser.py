@@ -187,7 +187,7 @@ def test_how_soon_a_slider_is_answered(browser, file) -> None:
                     one.dispatchEvent(new Event("input"));
                     await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
                 }
-                return hillobs.times.slice(before).map(({ all }) => all);
+                return hillobs.times.slice(before);
             }""",
             DRAGGED,
         )

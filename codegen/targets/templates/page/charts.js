@@ -1,92 +1,94 @@
-/* A chart for each quantity: the truth and all estimates over time. */
+/* A chart for each quantity that is shown: the truth and the estimates over time. */
 
-// of the scale: room above and below, as a part of what is shown
-const MARGIN = 0.08;
 const HEIGHT = 210;
+// room above and below, as a part of what is shown
+const MARGIN = 0.08;
+const WIDTH = 1.5;
 // of the truth, which is drawn last: what lies below shows in the gaps
 const DASHES = [7, 4];
 
-function chartsOf(study, runner, box, colour, isShown) {
-  const charts = new Map();
-  const together = uPlot.sync("time");
+function chartsOf(study, runner, choices, box) {
   const names = Object.keys(study.observers);
+  const charts = new Map();
+  const styles = getComputedStyle(document.documentElement);
+  const colour = (name) => () => styles.getPropertyValue(name);
+  const isShown = (name) => !choices.hidden.has(name);
 
-  /** From where to where the truth goes, and estimates once errors count. */
+  /** From where to where the truth goes, and the estimates once errors count. */
   function range(plot) {
-    const from = study.grid.window * study.grid.h;
-    let low = Infinity, high = -Infinity;
-    const [times, ...estimates] = plot.data, truth = estimates.pop();
-    const look = (values, begin) => {
-      for (let i = 0; i < values.length; ++i) if (times[i] >= begin && values[i] === values[i]) (low = Math.min(low, values[i])), (high = Math.max(high, values[i]));
-    };
-    look(truth, 0);
-    estimates.forEach((values, i) => { if (isShown(names[i])) look(values, from); });
+    const [times, ...lines] = plot.data;
+    const scored = study.grid.window * study.grid.h;
+    let low = Infinity;
+    let high = -Infinity;
+    lines.forEach((values, line) => {
+      const isTruth = line === names.length;
+      if (!isTruth && !isShown(names[line])) return;
+      for (let i = 0; i < values.length; ++i) {
+        if (times[i] < scored && !isTruth) continue;
+        if (values[i] < low) low = values[i];
+        if (values[i] > high) high = values[i];
+      }
+    });
     if (!(low <= high)) return [-1, 1];
     const room = MARGIN * (high - low || Math.abs(high) || 1);
     return [low - room, high + room];
   }
 
-  function made(quantity) {
-    const figure = document.createElement("figure");
-    const caption = document.createElement("figcaption");
-    const value = document.createElement("span");
-    caption.innerHTML = `<b></b> <span></span>`;
-    caption.children[0].textContent = quantity.symbol;
-    caption.children[1].textContent = quantity.sentence;
-    value.className = "reading";
-    const place = document.createElement("div");
-    place.setAttribute("role", "img");
-    place.setAttribute("aria-label", `${quantity.sentence} over time: the truth and the estimates; errors are in the table`);
-    figure.append(caption, place, value);
+  /** What is under the cursor, in words. */
+  function reading({ data: [times, ...lines], cursor: { idx } }) {
+    if (idx === null || idx === undefined || !(idx < times.length)) return "";
+    const said = names
+      .filter(isShown)
+      .map((name) => `${study.observers[name]} ${short(lines[names.indexOf(name)][idx])}`);
+    return [`τ = ${times[idx].toFixed(2)}: true ${short(lines[names.length][idx])}`, ...said].join(", ");
+  }
+
+  function chart(quantity) {
+    const caption = made("figcaption", {}, made("b", {}, quantity.symbol), " ", quantity.sentence);
+    const about = `${quantity.sentence} over time: the truth and the estimates; errors are in the table`;
+    const place = made("div", { role: "img", "aria-label": about });
+    const words = made("span", { class: "reading" });
+    const figure = made("figure", {}, caption, place, words);
     // in the order of the study, whenever it is asked for
-    const after = study.quantities.slice(study.quantities.indexOf(quantity) + 1).find(({ name }) => charts.has(name));
-    box.insertBefore(figure, after ? charts.get(after.name).figure : null);
-    const axis = { stroke: () => colour("--ink"), grid: { stroke: () => colour("--line"), width: 1 }, ticks: { stroke: () => colour("--line") }, font: "12px system-ui, sans-serif" };
-    const plot = new uPlot({
-      width: place.clientWidth || 400, height: HEIGHT,
-      cursor: { sync: { key: together.key }, y: false, points: { size: 5 } },
+    const later = study.quantities.slice(study.quantities.indexOf(quantity) + 1).find(({ name }) => charts.has(name));
+    box.insertBefore(figure, later ? charts.get(later.name).figure : null);
+    const axis = {
+      stroke: colour("--ink"),
+      grid: { stroke: colour("--line"), width: 1 },
+      ticks: { stroke: colour("--line") },
+      font: "12px system-ui, sans-serif",
+    };
+    const lines = names.map((name) => ({ stroke: colour(`--of-${name}`), width: WIDTH }));
+    const options = {
+      width: place.clientWidth,
+      height: HEIGHT,
+      cursor: { sync: { key: "time" }, y: false, points: { size: 5 } },
       legend: { show: false },
       scales: { x: { time: false }, y: { range } },
-      axes: [{ ...axis, label: "τ", labelSize: 16, labelFont: "italic 13px serif", size: 34 }, { ...axis, size: 58 }],
-      series: [
-        {},
-        ...names.map((name) => ({ stroke: () => colour(`--of-${name}`), width: 1.5, show: isShown(name) })),
-        { stroke: () => colour("--ink"), width: 1.5, dash: DASHES },
+      axes: [
+        { ...axis, label: "τ", labelSize: 16, labelFont: "italic 13px serif", size: 34 },
+        { ...axis, size: 58 },
       ],
-      hooks: { setCursor: [(u) => { value.textContent = reading(u); }] },
-    }, [[], ...names.map(() => []), []], place);
+      series: [{}, ...lines, { stroke: colour("--ink"), width: WIDTH, dash: DASHES }],
+      hooks: { setCursor: [(plot) => (words.textContent = reading(plot))] },
+    };
+    const plot = new uPlot(options, [[], ...names.map(() => []), []], place);
     new ResizeObserver(() => plot.setSize({ width: place.clientWidth, height: HEIGHT })).observe(place);
-    return { figure, plot, value };
+    return { figure, plot };
   }
 
-  /** What is under the cursor, in words. */
-  function reading(u) {
-    const i = u.cursor.idx;
-    if (i === null || i === undefined || !u.data[0].length) return "";
-    const words = names.map((name, j) => (isShown(name) ? `${study.observers[name]} ${short(u.data[j + 1][i])}` : "")).filter(Boolean);
-    return `τ = ${u.data[0][i].toFixed(2)}: true ${short(u.data[names.length + 1][i])}, ${words.join(", ")}`;
-  }
-
-  /** Draws the charts of the quantities named, in the order of the study. */
-  function draw(shown) {
+  function draw() {
     const times = runner.times();
     for (const quantity of study.quantities) {
       const { name } = quantity;
-      const chart = charts.get(name);
-      if (!shown.has(name)) { if (chart) chart.figure.hidden = true; continue; }
-      const { figure, plot } = chart ?? charts.set(name, made(quantity)).get(name);
-      figure.hidden = false;
-      names.forEach((observer, i) => { if (plot.series[i + 1].show !== isShown(observer)) plot.setSeries(i + 1, { show: isShown(observer) }, false); });
+      if (choices.shown.has(name) && !charts.has(name)) charts.set(name, chart(quantity));
+      if (!charts.has(name)) continue;
+      const { figure, plot } = charts.get(name);
+      figure.hidden = !choices.shown.has(name);
+      if (figure.hidden) continue;
+      names.forEach((observer, i) => plot.setSeries(i + 1, { show: isShown(observer) }, false));
       plot.setData([times, ...names.map((observer) => runner.estimate(observer, name)), runner.truth(name)]);
     }
   }
   return { draw, redraw: () => charts.forEach(({ plot }) => plot.redraw(false)) };
-}
-
-/** A number with three digits. */
-function short(number) {
-  if (!Number.isFinite(number)) return "–";
-  const size = Math.abs(number);
-  if (size !== 0 && (size < 1e-3 || size >= 1e4)) return number.toExponential(2).replace("e-", "e−").replace("e+", "e");
-  return String(Number(number.toPrecision(3))).replace("-", "−");
 }

@@ -35,11 +35,13 @@ function settingsOf(study) {
   const seedObjection = (number) => (Number.isSafeInteger(number) && number >= 0 ? "" : "a whole number, at least 0");
 
   /** The link's part behind #, with `more` words. */
-  const link = (more) => new URLSearchParams([...more, ...(seed === study.seed ? [] : [["seed", seed]]), ...chosen]).toString();
+  const link = (more) =>
+    new URLSearchParams([...more, ...(seed === study.seed ? [] : [["seed", seed]]), ...chosen]).toString();
 
   /** Takes what a link carries; returns what it makes no sense of, and other words as they are. */
   function take(words) {
-    const unknown = [], others = {};
+    const unknown = [],
+      others = {};
     chosen.clear();
     seed = study.seed;
     for (const [name, text] of new URLSearchParams(words)) {
@@ -53,10 +55,19 @@ function settingsOf(study) {
   }
 
   return {
-    value, set, link, take, seedObjection,
+    value,
+    set,
+    link,
+    take,
+    seedObjection,
     seed: () => seed,
-    setSeed: (number) => { seed = number; },
-    reset: () => { chosen.clear(); seed = study.seed; },
+    setSeed: (number) => {
+      seed = number;
+    },
+    reset: () => {
+      chosen.clear();
+      seed = study.seed;
+    },
     changed: (path) => chosen.has(path),
   };
 }
