@@ -98,6 +98,31 @@ def test_it_fits_the_screen_and_every_control_has_a_name(browser, file, viewport
     page.close()
 
 
+def test_a_chart_goes_from_where_to_where_its_lines_go(browser, file) -> None:
+    page = opened(browser, file)
+
+    def scale_and_lines(name: str) -> tuple[float, float, float, float]:
+        settled(page)
+        return page.evaluate(
+            """(name) => {
+                const { study, runner, charts } = hillobs, { min, max } = charts.scaleOf(name);
+                const truth = [...runner.truth(name)], times = runner.times(), late = (_, i) => times[i] >= 2;
+                const shown = Object.keys(study.observers).filter((one) => !location.hash.includes(one));
+                const all = truth.concat(...shown.map((one) => [...runner.estimate(one, name)].filter(late)));
+                return [min, max, Math.min(...all), Math.max(...all)];
+            }""",
+            name,
+        )
+
+    for press in ("SMO", "ASMO", None):
+        low, high, least, largest = scale_and_lines("Delta")
+        assert low < least < largest < high
+        assert high - low < 1.2 * (largest - least)
+        if press:
+            page.get_by_role("button", name=press, exact=True).click()
+    page.close()
+
+
 @pytest.mark.parametrize("path", GAINS)
 def test_a_gain_changes_its_observer_alone_and_the_table_follows(browser, file, path) -> None:
     page = opened(browser, file)

@@ -86,9 +86,16 @@ function chartsOf(study, runner, choices, box) {
       const { figure, plot } = charts.get(name);
       figure.hidden = !choices.shown.has(name);
       if (figure.hidden) continue;
-      names.forEach((observer, i) => plot.setSeries(i + 1, { show: isShown(observer) }, false));
+      names.forEach((observer, i) => {
+        // whatever is set anew asks for another scale
+        if (plot.series[i + 1].show !== isShown(observer)) plot.setSeries(i + 1, { show: isShown(observer) });
+      });
       plot.setData([times, ...names.map((observer) => runner.estimate(observer, name)), runner.truth(name)]);
     }
   }
-  return { draw, redraw: () => charts.forEach(({ plot }) => plot.redraw(false)) };
+
+  /** From where to where the chart of a quantity goes. */
+  const scaleOf = (name) => charts.get(name).plot.scales.y;
+
+  return { draw, scaleOf, redraw: () => charts.forEach(({ plot }) => plot.redraw(false)) };
 }

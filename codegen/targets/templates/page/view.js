@@ -107,7 +107,7 @@ async function begin() {
   }
 
   // for those who look behind the page: in the console, and in tests
-  window.hillobs = { study, runner, settings, times: [] };
+  window.hillobs = { study, runner, settings, charts, times: [] };
   follow();
   document.body.classList.remove("loading");
   window.addEventListener("hashchange", follow);
