@@ -2,10 +2,10 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
-CODE := model observers codegen studies hillobs tests benchmarks
+CODE := model observers codegen studies hillobs tests benchmarks docs
 
 .DEFAULT_GOAL := help
-.PHONY: help sim sweep estimate test portable check format lint types imports observability lag page chaos hostile bench clean
+.PHONY: help sim sweep estimate test portable check format lint types imports observability lag docs page chaos hostile bench clean
 
 help: ## show this help
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 16
@@ -55,6 +55,15 @@ observability: $(VENV)/.installed ## ranks, maps and figures of docs/observabili
 
 lag: $(VENV)/.installed ## figure of docs/kalman.md: errors over the delay
 	$(BIN)/python -m hillobs.studies.cli.pages.lag
+
+$(VENV)/.docs: $(VENV)/.installed
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[dev,docs]'
+	@touch $@
+
+# a warning is an error
+docs: $(VENV)/.docs page ## the site of all pages, with the reference: docs/_build/index.html
+	$(BIN)/python -m sphinx --quiet --fail-on-warning --keep-going --builder html docs docs/_build
+	@echo "docs/_build/index.html"
 
 page: $(VENV)/.installed ## the paper's noisy simulation as a page for a browser: docs/_page/paper-noisy.html
 	$(BIN)/hillobs export page paper-noisy --out docs/_page/paper-noisy.html

@@ -59,3 +59,9 @@ def test_the_pages_import_nothing_else() -> None:
     for page in (ROOT / "README.md", *DOCS.glob("*.md")):
         inner = re.findall(r"^\s*(?:from|import) (hillobs\.\S+)", page.read_text(encoding="utf-8"), re.MULTILINE)
         assert inner == [], page
+
+
+def test_every_public_name_is_in_the_reference() -> None:
+    reference = (DOCS / "reference.md").read_text(encoding="utf-8")
+    described = re.findall(r"^\.\. (?:auto\w+|py:data):: hillobs\.(\w+)$", reference, re.MULTILINE)
+    assert sorted(described) == sorted(set(hillobs.__all__) - {"__version__"})
