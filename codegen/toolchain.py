@@ -34,6 +34,8 @@ FLAGS = (
     *("-ffp-contract=fast", "-fno-math-errno", "-fno-trapping-math"),  # -ffast-math would change the caller's FPU
     *("-Wall", "-Wextra", "-Wno-psabi", f"-DHILLOBS_ABI={ABI}"),  # vectors as arguments stay within one library
 )
+# contracted sums would round otherwise on another kind of processor
+C_FLAGS = ("-std=c99", "-O2", "-shared", "-fvisibility=hidden", "-ffp-contract=off", "-Wall", "-Wextra")
 NATIVE = "native"
 SINGLE = "native-scalar"
 _MACHINE = re.sub("x86_64|amd64", "x86-64", platform.machine().lower()).replace("aarch64", "arm64")
@@ -90,6 +92,42 @@ def build(source: str, description: Mapping[str, object], target: str = NATIVE) 
     return cache.obtain(order, make, patience=_timeout() + 60)
 
 
+def build_c(files: Mapping[str, str], library: str, title: str, target: str = "") -> bytes:
+    """Return the verified library of C files, by name, compiled unless the cache has it.
+
+    library: the name that it is given. title: what it is, in a few words. target: a machine as zig names it, for which
+    the `ziglang` wheel compiles; by default this one, with this one's compiler.
+    """
+    compiler = find_compiler() if not target else wheel()
+    if compiler is None:
+        raise BuildError(f"For {target} the compiler `ziglang` is needed: `pip install 'hillobs[compiler]'`.")
+    flags = _c_flags(compiler, target)
+    # g++ forgets after a file that it is to take it for C
+    sources = [word for name in files if name.endswith(".c") for word in ("-x", "c", name)]
+    description = {"functions": [{"name": title}]}
+    asked = {"files": dict(files), "library": library, "description": description, "flags": flags}
+    key = cache.entry_key({**asked, **_circumstances(compiler)})
+
+    def make(folder: Path) -> Path:
+        command = [*compiler.command, *flags, "-o", library, *sources, "-lm"]
+        with building(description, compiler.kind):
+            return _compiled(files, folder / library, command, _timeout())
+
+    text = "\n".join([f"// {title}", *(f"// {name}\n{text}" for name, text in files.items())])
+    return cache.obtain(cache.Order(key, description, text.encode()), make, patience=_timeout() + 60).read_bytes()
+
+
+def _c_flags(compiler: Compiler, target: str) -> tuple[str, ...]:
+    """Return the flags for C that others load: for any processor of its kind, and the C library alone."""
+    if target:
+        position = () if "windows" in target else ("-fPIC",)
+        return (*C_FLAGS, *position, "-nostdlib++", "-s", "-target", target)
+    # the C++ compiler would ask for its own libraries too
+    lean = {"zig": ("-nostdlib++", "-mcpu=baseline")}.get(compiler.kind, ())
+    needed = () if sys.platform == "darwin" else ("-Wl,--as-needed",)
+    return (*C_FLAGS, "-fPIC", *lean, *needed)
+
+
 def find_compiler() -> Compiler:
     """Return the compiler of CXX or CC, else g++, clang++ or c++, else the `ziglang` wheel."""
     limit = _timeout()
@@ -107,8 +145,8 @@ def find_compiler() -> Compiler:
             return _examine([name], limit)
         except BuildError as error:
             refusals.append(str(error))
-    if wheel := _wheel():
-        return wheel
+    if packaged := wheel():
+        return packaged
     raise BuildError(f"No C++ compiler was found. {' '.join(refusals)} {_INSTALL}")
 
 
@@ -119,13 +157,19 @@ def compile_library(
 
     `flags` come after our own; `timeout` is in seconds, by default that of HILLOBS_COMPILE_TIMEOUT.
     """
-    library = output_folder / _LIBRARY
     command = [*compiler.command, *_flags(compiler), *flags, "-o", _LIBRARY, _SOURCE, "-lm"]
+    return _compiled({_SOURCE: source}, output_folder / _LIBRARY, command, _timeout() if timeout is None else timeout)
+
+
+def _compiled(sources: Mapping[str, str], library: Path, command: Sequence[str], timeout: float) -> Path:
+    """Return the library that a command makes of sources, by file name, in the library's folder, which is empty."""
+    output_folder = library.parent
     scratch = {"TMPDIR": str(output_folder), "ZIG_LOCAL_CACHE_DIR": str(output_folder / "zig")}
     shared = {"ZIG_GLOBAL_CACHE_DIR": str(output_folder.parent / cache.ZIG_FOLDER)}
     try:
-        write_new(output_folder / _SOURCE, source.encode())
-        code, output = _run(command, output_folder, _timeout() if timeout is None else timeout, scratch | shared)
+        for name, source in sources.items():
+            write_new(output_folder / name, source.encode())
+        code, output = _run(command, output_folder, timeout, scratch | shared)
         problem = _ending(code) if code else _incomplete(library)
     except OSError as error:
         # the folder that stays; this one is gone when the sentence is read
@@ -162,7 +206,7 @@ def _examine(given: Sequence[str], limit: float) -> Compiler:
     return Compiler(command, _kind(version), version, Path(program).resolve())
 
 
-def _wheel() -> Compiler | None:
+def wheel() -> Compiler | None:
     """Return the compiler of the `ziglang` wheel, whose version needs no start of it."""
     found = importlib.util.find_spec("ziglang")
     if found is None or found.origin is None:
@@ -304,7 +348,7 @@ def _incomplete(library: Path) -> str:
             head, size = file.read(64), os.fstat(file.fileno()).st_size
     except FileNotFoundError:
         return "reported success but wrote no library"
-    if head[:4] in (b"\xcf\xfa\xed\xfe", b"\xca\xfe\xba\xbe"):  # Mach-O
+    if head[:4] in (b"\xcf\xfa\xed\xfe", b"\xca\xfe\xba\xbe") or head[:2] == b"MZ":  # Mach-O, Windows
         return ""
     if head[:4] != b"\x7fELF" or len(head) < 64:
         return "reported success but what it wrote is not a library"

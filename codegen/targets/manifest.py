@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -10,12 +11,17 @@ import casadi as ca
 
 @dataclass(frozen=True)
 class Member:
-    """One number of an array: the Block's name for it, unit, bounds in words (or none) and what it is."""
+    """One number of an array: the Block's name for it, unit, what it is, bounds in words, if any, and as numbers.
+
+    least, most: what is above the one or below the other is within them too.
+    """
 
     name: str
     unit: str
     sentence: str
     bounds: str = ""
+    least: float = -math.inf
+    most: float = math.inf
 
 
 @dataclass(frozen=True, eq=False)  # functions have no usable ==
@@ -41,3 +47,8 @@ class Manifest:
     defaults: Sequence[float]
     columns: Sequence[str]
     functions: Mapping[str, ca.Function]
+
+
+def one_line(words: str) -> str:
+    """Words of others without what ends a line or is not for reading."""
+    return "".join(c if c.isprintable() else " " for c in words)
