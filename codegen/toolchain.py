@@ -105,8 +105,8 @@ def build_c(files: Mapping[str, str], library: str, title: str, target: str = ""
     # g++ forgets after a file that it is to take it for C
     sources = [word for name in files if name.endswith(".c") for word in ("-x", "c", name)]
     description = {"functions": [{"name": title}]}
-    asked = {"files": dict(files), "library": library, "description": description, "flags": flags}
-    key = cache.entry_key({**asked, **_circumstances(compiler)})
+    asked = {"files": dict(files), "library": library, "description": description, "target": flags}
+    key = cache.entry_key({**_circumstances(compiler), **asked})
 
     def make(folder: Path) -> Path:
         command = [*compiler.command, *flags, "-o", library, *sources, "-lm"]

@@ -18,6 +18,7 @@ from .c99 import c_files
 from .manifest import Manifest
 from .model_description import model_description
 from .platforms import platforms
+from .universal import universal
 
 VERSIONS = ("2.0", "3.0")
 
@@ -93,10 +94,13 @@ def _packed(manifest: Manifest, version: str, pair: Mapping[str, str]) -> bytes:
     token = _token("".join(pair.values()).encode() + model_description(manifest, version, ""))
     sources = {**pair, **shell(manifest, version, token)}
     files = {"modelDescription.xml": model_description(manifest, version, token)}
+    libraries: dict[str, list[bytes]] = {}
     for platform in platforms():
         library = f"{manifest.prefix}{platform.suffix}"
         title = f"{manifest.prefix} (FMI {version}, {platform.name})"
-        files[f"binaries/{platform.folders[version]}/{library}"] = build_c(sources, library, title, platform.target)
+        same = libraries.setdefault(f"binaries/{platform.folders[version]}/{library}", [])
+        same.append(build_c(sources, library, title, platform.target))
+    files |= {path: universal(same) if len(same) > 1 else same[0] for path, same in libraries.items()}
     packed = io.BytesIO()
     with zipfile.ZipFile(packed, "w") as archive:
         for name, content in files.items():

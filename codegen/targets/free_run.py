@@ -36,10 +36,8 @@ class FreeRun:
 def free_run(block: Block, schedule: Schedule, prefix: str) -> FreeRun:
     """The run of a Block whose inputs are time and the pulses of a schedule."""
     roles = functions(block, [*schedule.pulses], ())
-    x, m, p, u = (
-        ca.SX.sym(*each) for each in (("x", len(block.x)), ("m", len(block.x)), ("p", len(block.p)), ("u", 0))
-    )
-    k, i, d = ca.SX.sym("k"), ca.SX.sym("i"), ca.SX.sym("d")
+    x, m, p = (ca.SX.sym(name, size) for name, size in (("x", len(block.x)), ("m", len(block.x)), ("p", len(block.p))))
+    u, k, i, d = ca.SX.sym("u", 0), ca.SX.sym("k"), ca.SX.sym("i"), ca.SX.sym("d")
     s, h = ca.vertcat(x, k), schedule.h
 
     def held(step: ca.SX) -> ca.SX:

@@ -28,13 +28,13 @@ def _platform(name: str, second: str, suffix: str, target: str) -> Platform:
     return Platform(name, {"2.0": second, "3.0": name}, suffix, target)
 
 
-# by the names of FMI 3.0; FMI 2.0 has a folder for each system, and none for machines that came later
+# by the names of FMI 3.0; FMI 2.0 has a folder for each system, where macOS has one library for both processors
 _KNOWN = (
     _platform("x86_64-linux", "linux64", ".so", "x86_64-linux-gnu.2.17"),
     _platform("aarch64-linux", "aarch64-linux", ".so", "aarch64-linux-gnu.2.17"),
     _platform("x86_64-windows", "win64", ".dll", "x86_64-windows-gnu"),
-    _platform("x86_64-darwin", "darwin64", ".dylib", "x86_64-macos"),
-    _platform("aarch64-darwin", "aarch64-darwin", ".dylib", "aarch64-macos"),
+    _platform("x86_64-darwin", "darwin64", ".dylib", "x86_64-macos.11.0"),
+    _platform("aarch64-darwin", "darwin64", ".dylib", "aarch64-macos.11.0"),
 )
 _SPELLED = {"amd64": "x86_64", "arm64": "aarch64"}
 

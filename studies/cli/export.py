@@ -5,7 +5,6 @@ from __future__ import annotations
 import functools
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import click
 
@@ -56,7 +55,7 @@ def _of_an_observer(command: Callable[..., None]) -> Callable[..., None]:
         corrected: bool,
         changes: dict[str, Value],
         substeps: int | None,
-        **rest: Any,  # noqa: ANN401
+        **rest: bool | str,
     ) -> None:
         if sum(source is not None for source in (scenario, muscles, mechanism)) > 1:
             raise ScenarioError("numbers come from --scenario, --muscles or --mechanism, one of them")
