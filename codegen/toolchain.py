@@ -123,7 +123,7 @@ def _c_flags(compiler: Compiler, target: str) -> tuple[str, ...]:
         position = () if "windows" in target else ("-fPIC",)
         return (*C_FLAGS, *position, "-nostdlib++", "-s", "-target", target)
     # the C++ compiler would ask for its own libraries too
-    lean = {"zig": ("-nostdlib++", "-mcpu=baseline")}.get(compiler.kind, ())
+    lean = ("-nostdlib++", "-mcpu=baseline") if compiler.kind == "zig" else ()
     needed = () if sys.platform == "darwin" else ("-Wl,--as-needed",)
     return (*C_FLAGS, "-fPIC", *lean, *needed)
 

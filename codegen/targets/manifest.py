@@ -28,7 +28,7 @@ class Member:
 class Manifest:
     """An observer to be written for a target; all arrays in the order of its functions, those of `Follower`.
 
-    prefix: what the names of all functions begin with. columns: what tables call each input. period: in `time_unit`.
+    prefix: what the names of all functions begin with. guards: so many of the estimates, the last, are guards. columns: what tables call each input. period: in `time_unit`.
     """
 
     name: str
@@ -44,6 +44,7 @@ class Manifest:
     params: Sequence[Member]
     input: Sequence[Member]
     estimate: Sequence[Member]
+    guards: int
     defaults: Sequence[float]
     columns: Sequence[str]
     functions: Mapping[str, ca.Function]

@@ -33,9 +33,10 @@ _STRUCTURED = re.compile(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*", re.ASCII)
 
 @dataclass(frozen=True)
 class Variable:
-    """A number that programs see: its value reference, what it is, its default (of parameters) and its part in FMI."""
+    """A number that programs see: its value reference, name, what it is, its part in FMI, and what it is at first."""
 
     reference: int
+    name: str
     member: Member
     causality: str
     start: float | None = None
@@ -44,14 +45,16 @@ class Variable:
 def variables(manifest: Manifest) -> list[Variable]:
     """All in the order of their references, from 1 on: parameters, outputs, inputs; 0 is time.
 
-    BlockError if two have one name.
+    Guards are called `guards.L_min`, since a parameter may be the limit that they watch. BlockError if two have one name.
     """
+    told = len(manifest.estimate) - manifest.guards
     found = [
-        *((member, "parameter", value) for member, value in zip(manifest.params, manifest.defaults, strict=True)),
-        *((member, "output", None) for member in manifest.estimate),
-        *((member, "input", 0.0) for member in manifest.input),
+        *((m.name, m, "parameter", value) for m, value in zip(manifest.params, manifest.defaults, strict=True)),
+        *((m.name, m, "output", None) for m in manifest.estimate[:told]),
+        *((f"guards.{m.name}", m, "output", None) for m in manifest.estimate[told:]),
+        *((m.name, m, "input", 0.0) for m in manifest.input),
     ]
-    names = Counter([TIME, *(member.name for member, *_ in found)])
+    names = Counter([TIME, *(name for name, *_ in found)])
     if double := [name for name, times in names.items() if times > 1]:
         raise BlockError(f"{manifest.name}: two numbers are called {double[0]!r}, which an FMU cannot tell apart")
     return [Variable(i, *entry) for i, entry in enumerate(found, start=1)]
@@ -60,7 +63,7 @@ def variables(manifest: Manifest) -> list[Variable]:
 def model_description(manifest: Manifest, version: str, token: str) -> bytes:
     """The text, for a version of FMI; token: what the library knows it by."""
     known, words = variables(manifest), _WORDS[version]
-    names = [variable.member.name for variable in known]
+    names = [variable.name for variable in known]
     root = ElementTree.Element(
         "fmiModelDescription",
         {
@@ -143,7 +146,7 @@ def _about(variable: Variable) -> dict[str, str]:
         "input": {"variability": "continuous"},
     }
     sentence = one_line(f"{member.sentence}; {member.bounds}" if member.bounds else member.sentence)
-    return {"name": member.name, "description": sentence, "causality": causality, **further[causality]}
+    return {"name": variable.name, "description": sentence, "causality": causality, **further[causality]}
 
 
 def _numbers(variable: Variable) -> Iterator[tuple[str, str]]:

@@ -45,6 +45,7 @@ def exported_plant(scenario: str | Path = "paper-clean", changes: Mapping[str, V
         params=members.numbers(block.parameters),
         input=(),
         estimate=[*members.signals(block.y, system), *members.guards(block.guards)],
+        guards=len(block.guards),
         defaults=[prepared.value(path) for path in block.p],
         columns=(),
         functions=made.functions,

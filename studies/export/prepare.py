@@ -93,6 +93,7 @@ def exported(
         params=members.numbers(made.block.parameters),
         input=members.inputs(made.inputs, system, units),
         estimate=members.estimates(made.estimates, system, units),
+        guards=len(made.block.guards),
         defaults=[values[key] for key in made.block.p],
         columns=found.columns,
         functions=made.functions,

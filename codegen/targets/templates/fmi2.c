@@ -34,8 +34,9 @@ typedef struct {
 
 #include "instance.h"
 
+/* Sentences have no % in them, which would ask for more. */
 static void say(const fmi2CallbackFunctions *call, fmi2String name, fmi2String sentence) {
-    if (call->logger) call->logger(call->componentEnvironment, name, fmi2Error, "logStatusError", "%s", sentence);
+    if (call->logger) call->logger(call->componentEnvironment, name, fmi2Error, "logStatusError", sentence);
 }
 
 static void complain(const Instance *self, const char *sentence) { say(&self->host.call, self->host.name, sentence); }
