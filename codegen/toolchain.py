@@ -92,29 +92,28 @@ def build(source: str, description: Mapping[str, object], target: str = NATIVE) 
     return cache.obtain(order, make, patience=_timeout() + 60)
 
 
-def build_c(files: Mapping[str, str], library: str, title: str, target: str = "") -> bytes:
+def build_c(files: Mapping[str, str], title: str, target: str = "") -> Path:
     """Return the verified library of C files, by name, compiled unless the cache has it.
 
-    library: the name that it is given. title: what it is, in a few words. target: a machine as zig names it, for which
-    the `ziglang` wheel compiles; by default this one, with this one's compiler.
+    title: what it is, in a few words. target: a machine as zig names it, for which the `ziglang` wheel compiles; by
+    default this one, with the compiler found here.
     """
-    compiler = find_compiler() if not target else wheel()
+    compiler = zig() if target else find_compiler()
     if compiler is None:
         raise BuildError(f"For {target} the compiler `ziglang` is needed: `pip install 'hillobs[compiler]'`.")
-    flags = _c_flags(compiler, target)
     # g++ forgets after a file that it is to take it for C
     sources = [word for name in files if name.endswith(".c") for word in ("-x", "c", name)]
+    command = [*compiler.command, *_c_flags(compiler, target), "-o", _LIBRARY, *sources, "-lm"]
     description = {"functions": [{"name": title}]}
-    asked = {"files": dict(files), "library": library, "description": description, "target": flags}
-    key = cache.entry_key({**_circumstances(compiler), **asked})
+    circumstances = {**_circumstances(compiler), "command": command}
+    key = cache.entry_key({"files": dict(files), "description": description, **circumstances})
 
     def make(folder: Path) -> Path:
-        command = [*compiler.command, *flags, "-o", library, *sources, "-lm"]
         with building(description, compiler.kind):
-            return _compiled(files, folder / library, command, _timeout())
+            return _compile(command, folder, files)
 
     text = "\n".join([f"// {title}", *(f"// {name}\n{text}" for name, text in files.items())])
-    return cache.obtain(cache.Order(key, description, text.encode()), make, patience=_timeout() + 60).read_bytes()
+    return cache.obtain(cache.Order(key, description, text.encode()), make, patience=_timeout() + 60)
 
 
 def _c_flags(compiler: Compiler, target: str) -> tuple[str, ...]:
@@ -145,8 +144,8 @@ def find_compiler() -> Compiler:
             return _examine([name], limit)
         except BuildError as error:
             refusals.append(str(error))
-    if packaged := wheel():
-        return packaged
+    if wheel := zig():
+        return wheel
     raise BuildError(f"No C++ compiler was found. {' '.join(refusals)} {_INSTALL}")
 
 
@@ -158,22 +157,22 @@ def compile_library(
     `flags` come after our own; `timeout` is in seconds, by default that of HILLOBS_COMPILE_TIMEOUT.
     """
     command = [*compiler.command, *_flags(compiler), *flags, "-o", _LIBRARY, _SOURCE, "-lm"]
-    return _compiled({_SOURCE: source}, output_folder / _LIBRARY, command, _timeout() if timeout is None else timeout)
+    return _compile(command, output_folder, {_SOURCE: source}, timeout)
 
 
-def _compiled(sources: Mapping[str, str], library: Path, command: Sequence[str], timeout: float) -> Path:
-    """Return the library that a command makes of sources, by file name, in the library's folder, which is empty."""
-    output_folder = library.parent
-    scratch = {"TMPDIR": str(output_folder), "ZIG_LOCAL_CACHE_DIR": str(output_folder / "zig")}
-    shared = {"ZIG_GLOBAL_CACHE_DIR": str(output_folder.parent / cache.ZIG_FOLDER)}
+def _compile(command: Sequence[str], folder: Path, files: Mapping[str, str], timeout: float | None = None) -> Path:
+    """Return the library that a command makes of files in an empty folder."""
+    library = folder / _LIBRARY
+    scratch = {"TMPDIR": str(folder), "ZIG_LOCAL_CACHE_DIR": str(folder / "zig")}
+    shared = {"ZIG_GLOBAL_CACHE_DIR": str(folder.parent / cache.ZIG_FOLDER)}
     try:
-        for name, source in sources.items():
-            write_new(output_folder / name, source.encode())
-        code, output = _run(command, output_folder, timeout, scratch | shared)
+        for name, text in files.items():
+            write_new(folder / name, text.encode())
+        code, output = _run(command, folder, _timeout() if timeout is None else timeout, scratch | shared)
         problem = _ending(code) if code else _incomplete(library)
     except OSError as error:
         # the folder that stays; this one is gone when the sentence is read
-        raise BuildError(f"Nothing can be compiled in {output_folder.parent}: {error.strerror}.") from error
+        raise BuildError(f"Nothing can be compiled in {folder.parent}: {error.strerror}.") from error
     if problem:
         raise BuildError(f"The compiler {problem}: {shlex.join(command)}\n{output}")
     return library
@@ -206,8 +205,8 @@ def _examine(given: Sequence[str], limit: float) -> Compiler:
     return Compiler(command, _kind(version), version, Path(program).resolve())
 
 
-def wheel() -> Compiler | None:
-    """Return the compiler of the `ziglang` wheel, whose version needs no start of it."""
+def zig() -> Compiler | None:
+    """Return the compiler of the `ziglang` wheel, or None; its version needs no start of it."""
     found = importlib.util.find_spec("ziglang")
     if found is None or found.origin is None:
         return None

@@ -99,7 +99,7 @@ def _packed(manifest: Manifest, version: str, pair: Mapping[str, str]) -> bytes:
         library = f"{manifest.prefix}{platform.suffix}"
         title = f"{manifest.prefix} (FMI {version}, {platform.name})"
         same = libraries.setdefault(f"binaries/{platform.folders[version]}/{library}", [])
-        same.append(build_c(sources, library, title, platform.target))
+        same.append(build_c(sources, title, platform.target).read_bytes())
     files |= {path: universal(same) if len(same) > 1 else same[0] for path, same in libraries.items()}
     packed = io.BytesIO()
     with zipfile.ZipFile(packed, "w") as archive:

@@ -28,7 +28,8 @@ class Member:
 class Manifest:
     """An observer to be written for a target; all arrays in the order of its functions, those of `Follower`.
 
-    prefix: what the names of all functions begin with. guards: so many of the estimates, the last, are guards. columns: what tables call each input. period: in `time_unit`.
+    prefix: what the names of all functions begin with. guards: so many of the estimates, the last ones. columns: what
+    tables call each input. period: in `time_unit`.
     """
 
     name: str

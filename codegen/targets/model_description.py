@@ -45,7 +45,8 @@ class Variable:
 def variables(manifest: Manifest) -> list[Variable]:
     """All in the order of their references, from 1 on: parameters, outputs, inputs; 0 is time.
 
-    Guards are called `guards.L_min`, since a parameter may be the limit that they watch. BlockError if two have one name.
+    Guards are called `guards.L_min`, since a parameter may be the limit that they watch. BlockError if two numbers
+    have one name.
     """
     told = len(manifest.estimate) - manifest.guards
     found = [

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from ..cache import BuildError
-from ..toolchain import wheel
+from ..toolchain import zig
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ def platforms() -> list[Platform]:
     kind = machine.machine().lower()
     here = f"{_SPELLED.get(kind, kind)}-{sys.platform}"
     found = [replace(known, target="") if known.name == here else known for known in _KNOWN]
-    if wheel() is None:
+    if zig() is None:
         found = [known for known in found if not known.target]
     if not found:
         raise BuildError(

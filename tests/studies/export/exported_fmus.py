@@ -22,7 +22,7 @@ VERSIONS = ("fmi2", "fmi3")
 @pytest.fixture
 def this_machine_only(monkeypatch: pytest.MonkeyPatch) -> None:
     """Where the extra `compiler` is installed, other machines' libraries would take a minute."""
-    monkeypatch.setattr(platforms, "wheel", lambda: None)
+    monkeypatch.setattr(platforms, "zig", lambda: None)
 
 
 def saved_fmus(folder: Path, observer: str, **asked) -> Path:
@@ -67,13 +67,11 @@ class Instance:
             modelIdentifier=self.description.coSimulation.modelIdentifier,
         )
         if self.second:
-            log = fmi2CallbackLoggerTYPE(
-                lambda env, name, status, category, message: self.told.append(message.decode())
-            )
+            log = fmi2CallbackLoggerTYPE(lambda *told: self.told.append(told[-1].decode()))
             self.callbacks = fmi2CallbackFunctions(logger=log, componentEnvironment=fmi2ComponentEnvironment(None))
             self.fmu.instantiate(callbacks=self.callbacks)
         else:
-            self.fmu.instantiate(logMessage=lambda env, status, category, message: self.told.append(message.decode()))
+            self.fmu.instantiate(logMessage=lambda *told: self.told.append(told[-1].decode()))
 
     def begin(self, start: float = 0.0, **numbers: float) -> None:
         if self.second:

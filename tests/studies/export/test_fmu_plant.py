@@ -75,9 +75,7 @@ def distance(folder: Path, version: str, period: float) -> float:
 
 
 @pytest.mark.parametrize("version", VERSIONS)
-def test_an_observer_estimates_of_the_plant_beside_it_what_it_does_in_a_simulation(
-    version: str, tmp_path: Path
-) -> None:
+def test_beside_it_an_observer_estimates_what_it_does_in_a_simulation(version: str, tmp_path: Path) -> None:
     save_fmus(exported_plant(), tmp_path)
     # a simulation shows the observer its measurements at all moments; here they go in straight lines from sample to
     # sample, off by T² y″/8 at most: half the period leaves a quarter of that

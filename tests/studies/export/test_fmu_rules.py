@@ -18,7 +18,7 @@ FIRST = dict(zip(("y1", "y2", "y3"), samples(1)[0].tolist(), strict=True))
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("hillobs.codegen.targets.platforms.wheel", lambda: None)
+        patch.setattr("hillobs.codegen.targets.platforms.zig", lambda: None)
         return saved_fmus(tmp_path_factory.mktemp("fmu"), NAME)
 
 
