@@ -1,5 +1,7 @@
 """The plant as an FMU: what `simulate` does, alone and beside an observer in one program."""
 
+import re
+import textwrap
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +12,9 @@ from exported_fmus import VERSIONS, instance, saved_fmus, this_machine_only
 from exported_programs import needs_cc
 from hillobs.studies.export.files import save_fmus
 from hillobs.studies.export.plant import exported_plant
+from hillobs.studies.export.run import export_fmu, export_plant
 from hillobs.studies.simulate.run import simulate
+from places import DOCS
 
 pytestmark = [pytest.mark.chaos, needs_cc, pytest.mark.usefixtures("this_machine_only")]
 __all__ = ["this_machine_only"]
@@ -81,3 +85,14 @@ def test_beside_it_an_observer_estimates_what_it_does_in_a_simulation(version: s
     # sample, off by T² y″/8 at most: half the period leaves a quarter of that
     whole, half = (distance(tmp_path, version, period) for period in (0.01, 0.005))
     assert 3.5 < whole / half < 4.5
+
+
+def test_the_programs_of_the_page_meet_as_it_says(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys) -> None:
+    page = (DOCS / "fmu.md").read_text(encoding="utf-8")
+    (script,) = re.findall(r"^```py\n(.*?)^```", page, re.DOTALL | re.MULTILINE)
+    printed = re.search(r"^```py\n.*?^```\n\n(.*?)\n\n", page, re.DOTALL | re.MULTILINE)
+    monkeypatch.chdir(tmp_path)
+    export_plant("fmu")
+    export_fmu("high_gain", 0.005, "fmu")
+    exec(compile(script, "meet.py", "exec"), {})  # noqa: S102  the page is ours
+    assert capsys.readouterr().out == textwrap.dedent(printed[1]) + "\n"
