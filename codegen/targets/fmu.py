@@ -9,7 +9,7 @@ import hashlib
 import io
 import uuid
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from importlib import resources
 from string import Template
 
@@ -23,24 +23,6 @@ from .universal import universal
 VERSIONS = ("2.0", "3.0")
 
 _TEMPLATES = resources.files("hillobs.codegen.targets.templates")
-# what a function does that the standard wants and that nothing here is for
-_ABSENT = {
-    # it gets or sets variables of a type that none here has: none is fine
-    "untyped": "int {}(void *c, const unsigned int *which, size_t n) {{ (void)c, (void)which; return n ? 3 : 0; }}",
-    "uncreated": "void *{}(void) {{ return NULL; }}",
-    "refused": "int {}(void) {{ return 3; }}",
-}
-_EXPORTED = """\
-#include <stddef.h>
-
-/* What the standard asks for and this is not for: 3 is an error in all versions. */
-#ifdef _WIN32
-#define ABSENT __declspec(dllexport)
-#else
-#define ABSENT __attribute__((visibility("default")))
-#endif
-
-"""
 # the first moment that a zip can name: the same export is the same file
 _MOMENT = (1980, 1, 1, 0, 0, 0)
 # a zip of Unix, whose files all may read and run
@@ -73,16 +55,19 @@ def shell(manifest: Manifest, version: str, token: str) -> dict[str, str]:
         "token": token,
     }
     main = f"fmi{version[0]}"
+    # no Block has a hyphen in its name
     return {
-        "instance.h": _filled("fmi_instance.h", words),
-        f"{main}.c": _filled(f"{main}.c", words),
-        "absent.c": _EXPORTED + "".join(_absent(f"{main}_absent.txt")),
+        "fmi-instance.h": _filled("fmi_instance.h", words),
+        "fmi-shell.c": _filled(f"{main}.c", words),
+        "fmi-absent.c": _filled("fmi_absent.c", {**words, "functions": "\n".join(_absent(f"{main}_absent.txt"))}),
     }
 
 
-def _absent(names: str) -> list[str]:
-    lines = (line.split() for line in (_TEMPLATES / names).read_text(encoding="utf-8").splitlines())
-    return [f"ABSENT {_ABSENT[kind].format(name)}\n" for kind, *of_kind in lines for name in of_kind]
+def _absent(names: str) -> Iterator[str]:
+    """A line for each function in a list of them, of which each line begins with the kind."""
+    for line in (_TEMPLATES / names).read_text(encoding="utf-8").splitlines():
+        kind, *functions = line.split()
+        yield from (f"{kind.upper()}({function})" for function in functions)
 
 
 def _filled(template: str, words: Mapping[str, str]) -> str:

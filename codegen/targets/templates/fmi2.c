@@ -32,7 +32,7 @@ typedef struct {
     char *name;
 } Host;
 
-#include "instance.h"
+#include "fmi-instance.h"
 
 /* Sentences have no % in them, which would ask for more. */
 static void say(const fmi2CallbackFunctions *call, fmi2String name, fmi2String sentence) {

@@ -29,7 +29,7 @@ typedef struct {
     fmi3LogMessageCallback log;
 } Host;
 
-#include "instance.h"
+#include "fmi-instance.h"
 
 static void say(const Host *host, fmi3String sentence) {
     if (host->log) host->log(host->environment, fmi3Error, "logStatusError", sentence);

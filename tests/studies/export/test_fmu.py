@@ -3,6 +3,7 @@
 import re
 import subprocess
 import zipfile
+from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -60,15 +61,15 @@ def test_the_standards_own_headers_agree_with_it(version: str, tmp_path: Path) -
     headers, number = Path(fmpy.__file__).parent / "c-code", version[0]
     theirs = ["-isystem", headers, "-include", f"fmi{number}Functions.h"]
     for further in (theirs, []):
-        command = [CC, *STRICT, *further, "-c", f"fmi{number}.c", "-o", "shell.o"]
+        command = [CC, *STRICT, *further, "-c", "fmi-shell.c"]
         done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
         assert (done.returncode, done.stderr) == (0, "")
     # each function that they name is there, once
     named = re.findall(r"FMI\d_Export\s+\w+TYPE\s+(\w+);", (headers / f"fmi{number}Functions.h").read_text())
-    ours = re.findall(r"^FMI\d_Export .*?(fmi\d\w+)\(", (tmp_path / f"fmi{number}.c").read_text(), re.MULTILINE)
-    absent = re.findall(r"(fmi\d\w+)\(", (tmp_path / "absent.c").read_text())
+    ours = re.findall(r"^FMI\d_Export .*?(fmi\d\w+)\(", (tmp_path / "fmi-shell.c").read_text(), re.MULTILINE)
+    absent = re.findall(r"^[A-Z]+\((fmi\d\w+)\)", (tmp_path / "fmi-absent.c").read_text(), re.MULTILINE)
     assert sorted(ours + absent) == sorted(named)
-    subprocess.run([CC, *STRICT, "-c", "absent.c"], cwd=tmp_path, check=True)
+    subprocess.run([CC, *STRICT, "-c", "fmi-absent.c"], cwd=tmp_path, check=True)
 
 
 def test_the_same_export_is_the_same_file(tmp_path: Path) -> None:
@@ -103,6 +104,19 @@ def test_it_says_units_bounds_defaults_and_what_numbers_are() -> None:
     assert flat["eps_h"]["description"].endswith("> 0")
     assert float(flat["eps_h"]["start"]) == 0.1
     assert not {"start", "unit"} & set(flat["a1_hat"])
+
+
+def test_words_of_a_block_are_harmless_in_a_description() -> None:
+    words = "</Float64> & \" ' \0\n\x1b \u202e ε ]]> \ud800"
+    usual = exported("high_gain", PERIOD)
+    manifest = replace(usual, params=[replace(usual.params[0], sentence=words, unit="<V>"), *usual.params[1:]])
+    for version in fmu.VERSIONS:
+        root = ElementTree.fromstring(model_description(manifest, version, "{}"))  # noqa: S314
+        (first,) = (
+            variable for variable in root.find("ModelVariables") if variable.get("name") == usual.params[0].name
+        )
+        assert first.get("description").startswith("</Float64> & \" '       ε ]]>  ;")
+        assert [unit.get("name") for unit in root.iter("Unit")] == ["<V>"]
 
 
 def test_macos_finds_the_library_of_its_processor_among_several() -> None:
