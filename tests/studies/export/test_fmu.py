@@ -16,6 +16,7 @@ from exported_fmus import VERSIONS, program_like, samples, saved_fmus, this_mach
 from exported_programs import CC, PERIOD, STRICT, estimates, needs_cc, recorded
 from hillobs.codegen.targets import fmu
 from hillobs.codegen.targets.c99 import c_files
+from hillobs.codegen.targets.manifest import Manifest
 from hillobs.codegen.targets.model_description import model_description
 from hillobs.codegen.targets.universal import universal
 from hillobs.observers import OBSERVERS
@@ -81,13 +82,14 @@ def test_the_same_export_is_the_same_file(tmp_path: Path) -> None:
             assert archive.testzip() is None
 
 
-def described(version: str, **asked) -> ElementTree.Element:
-    return ElementTree.fromstring(model_description(exported("high_gain", PERIOD, **asked), version, "{}"))  # noqa: S314
+def described(manifest: Manifest, version: str) -> ElementTree.Element:
+    return ElementTree.fromstring(model_description(manifest, version, "{}"))  # noqa: S314  the text is ours
 
 
 def test_it_says_units_bounds_defaults_and_what_numbers_are() -> None:
     muscles = RECORDINGS / "dgf_smooth.toml"
-    second, third = (described(version, muscles=muscles) for version in fmu.VERSIONS)
+    manifest = exported("high_gain", PERIOD, muscles=muscles)
+    second, third = (described(manifest, version) for version in fmu.VERSIONS)
     for root in (second, third):
         powers = {unit.get("name"): unit.find("BaseUnit").attrib for unit in root.iter("Unit")}
         assert powers["N"] == {"kg": "1", "m": "1", "s": "-2"}
