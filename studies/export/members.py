@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 
 from ...codegen.targets.follower import TIME
 from ...codegen.targets.manifest import Member
 from ...model.block import Parameter, Parameters
 from ...model.limits import ORDERS_OF_JOINT, ORDERS_OF_MUSCLE
+from ...model.plant import STIFFNESS
 from ...model.symbols import SIGNALS, hat, signal_of
 from ...model.system import System
 from ..laboratory.scales import Scales
@@ -66,17 +67,15 @@ def estimates(names: Iterable[str], system: System, units: Units) -> list[Member
     return [Member(name, units.get(name, _NO_UNIT)[1], said[name], *bounds.get(name, ())) for name in said]
 
 
-def signals(names: Iterable[str], system: System) -> list[Member]:
+def signals(names: Sequence[str], system: System) -> list[Member]:
     """Members for what a plant shows, in the paper's units."""
     known = {name: signal_of(name).sentence for name in system.quantities}
     for muscle in system.muscles:
         known[system.name("taut", muscle)] = f"1 while the tendon of {muscle} carries force, else 0"
         known[system.name("Phi_S", muscle)] = f"force of the tendon of {muscle}"
-    # the reference is of a joint or a point
-    return [
-        Member(name, _NO_UNIT[1], known.get(name) or _said(name, system, name.replace("r.", "reference of ", 1)))
-        for name in names
-    ]
+    known |= {name: f"reference of {name.removeprefix('r.')}" for name in names if name.startswith("r.")}
+    known[STIFFNESS] = "the largest rate of all tendons, which asks for small steps"
+    return [Member(name, _NO_UNIT[1], known.get(name) or _said(name, system, name)) for name in names]
 
 
 def guards(names: Iterable[str]) -> list[Member]:

@@ -100,7 +100,8 @@ FMI2_Export fmi2Status fmi2Reset(fmi2Component c) {
     return fmi2OK;
 }
 
-FMI2_Export fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference references[], size_t n, fmi2Real values[]) {
+FMI2_Export fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference references[], size_t n,
+    fmi2Real values[]) {
     return status(get(c, references, n, values));
 }
 
@@ -132,7 +133,8 @@ FMI2_Export fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate state
     return status(serialize(c, state, bytes, size));
 }
 
-FMI2_Export fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[], size_t size, fmi2FMUstate *state) {
+FMI2_Export fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[], size_t size,
+    fmi2FMUstate *state) {
     return status(deserialize(c, bytes, size, state));
 }
 

@@ -118,7 +118,8 @@ FMI3_Export fmi3Status fmi3SerializeFMUState(fmi3Instance c, fmi3FMUState state,
     return status(serialize(c, state, bytes, size));
 }
 
-FMI3_Export fmi3Status fmi3DeserializeFMUState(fmi3Instance c, const fmi3Byte bytes[], size_t size, fmi3FMUState *state) {
+FMI3_Export fmi3Status fmi3DeserializeFMUState(fmi3Instance c, const fmi3Byte bytes[], size_t size,
+    fmi3FMUState *state) {
     return status(deserialize(c, bytes, size, state));
 }
 

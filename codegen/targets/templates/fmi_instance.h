@@ -1,4 +1,7 @@
-/* One $name that a simulation program asks for, whatever the version of FMI; Host is what the version keeps of the program. */
+/* One $name that a simulation program asks for, whatever the version of FMI.
+ *
+ * Host is what the version keeps of the program.
+ */
 #include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
@@ -7,7 +10,12 @@
 #include "$name.h"
 
 /* value references count the numbers of Values */
-enum { FIRST_PARAM = 1, FIRST_ESTIMATE = FIRST_PARAM + $n_params, FIRST_INPUT = FIRST_ESTIMATE + $n_estimate, N_VALUES = FIRST_INPUT + $n_input };
+enum {
+    FIRST_PARAM = 1,
+    FIRST_ESTIMATE = FIRST_PARAM + $n_params,
+    FIRST_INPUT = FIRST_ESTIMATE + $n_estimate,
+    N_VALUES = FIRST_INPUT + $n_input
+};
 
 /* a sample that is this part of a period from the end of a step is at the end: times are sums of rounded steps */
 #define ROUNDING (1e-3 * ${PREFIX}_PERIOD)
@@ -65,7 +73,8 @@ static int get(Instance *self, const unsigned int references[], size_t n, double
 }
 
 static int settable(unsigned int reference) {
-    return (reference >= FIRST_PARAM && reference < FIRST_ESTIMATE) || (reference >= FIRST_INPUT && reference < N_VALUES);
+    return (reference >= FIRST_PARAM && reference < FIRST_ESTIMATE) ||
+           (reference >= FIRST_INPUT && reference < N_VALUES);
 }
 
 static int set(Instance *self, const unsigned int references[], size_t n, const double values[]) {
@@ -103,7 +112,8 @@ static int begin(Instance *self) {
 
 static int step(Instance *self, double from, double size) {
     if (!self->now.running) return refuse(self, "a step was asked for before the initialization or after the end");
-    if (!(fabs(from - self->now.values.time) < ROUNDING)) return refuse(self, "a step must begin where the last one ended");
+    if (!(fabs(from - self->now.values.time) < ROUNDING))
+        return refuse(self, "a step must begin where the last one ended");
     if (!(size >= 0 && size < HUGE_VAL)) return refuse(self, "the size of a step must be a finite number, 0 or more");
     return advance(self, from + size);
 }
