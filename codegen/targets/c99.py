@@ -14,7 +14,7 @@ from typing import Any
 import casadi as ca
 
 from ...model.block import BlockError
-from .manifest import Manifest, Member
+from .manifest import Manifest, Member, one_line
 
 DOUBLE, FLOAT = "double", "float"
 
@@ -68,7 +68,7 @@ def _common(manifest: Manifest, names: Mapping[str, Sequence[str]], code: str, r
     """What several files say."""
     functions, prefix = manifest.functions.values(), manifest.prefix
     return {
-        **{f"n_{group}": str(len(members)) for group, members in names.items()},
+        **{f"n_{group}": str(max(len(members), 1)) for group, members in names.items()},
         "n_arg": str(max(f.sz_arg() for f in functions)),
         "n_res": str(max(f.sz_res() for f in functions)),
         "n_motion": str(manifest.functions["depart"].numel_out(0)),
@@ -144,6 +144,8 @@ def _identifiers(observer: str, members: Sequence[Member]) -> list[str]:
 
 
 def _members(members: Sequence[Member], names: Sequence[str], prefix: str) -> Iterator[str]:
+    if not members:
+        yield f"    {prefix}_real nothing; /* no struct is empty in C */"
     for member, name in zip(members, names, strict=True):
         about = ", ".join(words for words in (member.unit, member.bounds) if words)
         yield f"    {prefix}_real {name}; /* {_text(member.sentence)} [{_text(about)}] */"
@@ -164,8 +166,7 @@ def _number(observer: str, name: str, value: float, real: str) -> str:
 
 def _text(words: str) -> str:
     """Words of others on one line of a comment, which they do not end."""
-    line = "".join(c if c.isprintable() else " " for c in words)
-    return re.sub(r"\*(?=/)|/(?=\*)", lambda mark: f"{mark[0]} ", line)
+    return re.sub(r"\*(?=/)|/(?=\*)", lambda mark: f"{mark[0]} ", one_line(words))
 
 
 def _steps(substeps: int) -> str:
