@@ -201,14 +201,18 @@ def _listen(readers: Mapping[str, int], process: int) -> tuple[dict[str, str], b
 def _end_orphans() -> int:
     """How many processes a case has left, which are ended; those that were just killed may take their time to go."""
     deadline = time.monotonic() + _GRACE
-    while (left := _children()) and time.monotonic() < deadline:
+    while _children() and time.monotonic() < deadline:
         _reap()
         time.sleep(0.001)
-    for child in left:
-        with contextlib.suppress(ProcessLookupError):
-            os.kill(child, signal.SIGKILL)
-        os.waitpid(child, 0)
-    return len(left)
+    ended = 0
+    # the children of each that is killed are ours next
+    while left := _children():
+        for child in left:
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(child, signal.SIGKILL)
+            os.waitpid(child, 0)
+        ended += len(left)
+    return ended
 
 
 def _children() -> list[int]:

@@ -81,12 +81,14 @@ def _serve() -> None:
 
 
 def _prepare(case: Case) -> None:
-    """Compile what a mechanism's case needs: it takes too long for each fork, and for those who have no such case."""
+    """Compile what only some cases need: it takes too long for each fork, and for those who have no such case."""
     verb = case.words[0] if case.words else ""
     if verb == "simulate" and any("hinge" in text for text in (*case.words, *map(str, case.files.values()))):
         _hinge_run()
     elif verb in ("estimate", "live") and "--mechanism" in case.words:
         _hinge_observers()
+    elif verb == "estimate" and "kalman" in case.words:
+        _kalman()
 
 
 @functools.cache
@@ -103,6 +105,14 @@ def _hinge_observers() -> None:
     from places import RECORDINGS
 
     hillobs.follow(RECORDINGS / "hinge_pair.toml", "high_gain")
+
+
+@functools.cache
+def _kalman() -> None:
+    import hillobs
+    from places import RECORDINGS
+
+    hillobs.estimate(RECORDINGS / "dgf_smooth_noisy.csv.gz", RECORDINGS / "dgf_smooth.toml", "kalman")
 
 
 def _load() -> None:
