@@ -49,8 +49,8 @@ class Follower:
         if not (self._learning or T):
             raise ScenarioError("the period must be above 0 s, not 0 s")
         # in s even the smallest of all T may be 0
-        for known, seconds_apart in ((period, period), (T, T / s.rate)):
-            if known and (objection := _objection(seconds_apart, s)):
+        for given, seconds_apart in ((period, period), (T, T / s.rate)):
+            if given and (objection := _objection(seconds_apart, s)):
                 raise ScenarioError(objection)
         if not self._learning:
             setup.refuse_too_fast(gains, T)

@@ -204,7 +204,7 @@ def _live(random: Random) -> Drawn:
             odd += [drawings.damage, drawings.odd_file, muscles.changed]
         case "state":
             base.append(states.state(random))
-            odd += [states.damaged] * 8
+            odd = [*[states.damaged] * 3, damaged, states.out]
     base += [states.kept(random)] if random.random() < 0.4 else []
     return base, _some(random, odd)
 
