@@ -26,6 +26,7 @@ _MATHEMATICS = frozenset((_TEMPLATES / "mathematics.txt").read_text(encoding="ut
 # digits that tell two numbers apart
 _DIGITS = {DOUBLE: 17, FLOAT: 9}
 _GROUPS = ("state", "params", "input", "estimate")
+_PROGRAM = "main.c"
 
 Words = Mapping[str, str]
 
@@ -35,13 +36,15 @@ def c_files(manifest: Manifest, real: str = DOUBLE) -> dict[str, str]:
 
     real: the type of all numbers.
     """
+    if f"{manifest.name}.c" == _PROGRAM:
+        raise BlockError(f"{manifest.name}: {_PROGRAM} is the program beside the observer; give yours another name")
     name, code = manifest.name, _casadi([*manifest.functions.values()], manifest.prefix, real)
     names = {group: _identifiers(name, getattr(manifest, group)) for group in _GROUPS}
     common = _common(manifest, names, code, real)
     return {
         f"{name}.h": _filled("observer.h", common, _header(manifest, names, real)),
         f"{name}.c": _filled("observer.c", common, _source(manifest, names, code, real)),
-        "main.c": _filled("main.c", common, _program(manifest, names, real)),
+        _PROGRAM: _filled("main.c", common, _program(manifest, names, real)),
         "CMakeLists.txt": _filled("CMakeLists.txt", common),
         "README.md": _filled("README.md", common, _page(manifest, names)),
     }

@@ -9,8 +9,8 @@ from pathlib import Path
 from hostile.case import Case
 from hostile.sandbox import DESK, TEMPORARY, Snapshot
 
-# what these are told to write is a file, not a folder
-_FILES = ("sweep", "import")
+# what these are told to write is a file, not a folder, by this option
+_FILES = {"sweep": "--out", "import": "--out", "live": "--save-state"}
 _USUAL = {"simulate": "results", "estimate": "estimates", "observability": "results", "curves": "results"}
 
 
@@ -26,7 +26,7 @@ def _results(case: Case, box: Path) -> list[str]:
     if case.python:
         return [_from(box, os.path.join(desk, name)) for name in case.writes]
     verb = case.words[0] if case.words else ""
-    out = _option(case.words, "--out")
+    out = _option(case.words, _FILES.get(verb, "--out"))
     if verb == "figures" and out is None:
         out = os.path.dirname(next((word for word in case.words[1:] if not word.startswith("-")), "")) or "."
     out = _USUAL.get(verb) if out is None else out
