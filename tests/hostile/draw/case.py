@@ -210,7 +210,8 @@ def _live(random: Random) -> Drawn:
 
 
 def _export(random: Random) -> Drawn:
-    base: list[Layer] = [{"words": ["export", "c"]}]
+    target = random.choice(("c", "c", "fmu"))
+    base: list[Layer] = [{"words": ["export", target]}]
     match random.choice(("paper", "muscles", "mechanism")):
         case "paper":
             base += [exports.export(random), exports.of_scenario(random)]
@@ -221,9 +222,18 @@ def _export(random: Random) -> Drawn:
         case _:
             base += [exports.export(random, mechanisms.OBSERVERS), mechanisms.mechanism(random)]
             odd = [mechanisms.changed] * 6
-    base += [exports.good_option(random)] if random.random() < 0.5 else []
+    base += [exports.good_option(random, target)] if random.random() < 0.5 else []
     odd += [exports.option, exports.option, exports.option, exports.out, exports.block, exports.block]
     return base, _some(random, odd)
+
+
+def _export_whole(random: Random) -> Drawn:
+    base: list[Layer] = [exports.whole(random)]
+    base += [scenarios.slight_change(random)] if random.random() < 0.5 else []
+    mistakes = _some(random, [scenarios.change, scenarios.change, _out(base[0]["words"][-1])])
+    if random.random() < 0.8:
+        return [*base, scenarios.scenario(random)], mistakes
+    return base, [*mistakes, random.choice((scenarios.document, scenarios.odd_file))(random)]
 
 
 def _import(random: Random) -> Drawn:
@@ -301,12 +311,13 @@ _KINDS: dict[str, tuple[int, Callable[[Random], Drawn]]] = {
     "programs": (12, _program),
     "import": (6, _import),
     "live": (12, _live),
-    "export": (8, _export),
+    "export": (7, _export),
+    "export whole": (3, _export_whole),
     "mechanism estimate": (2, _mechanism_estimate),
     "mechanism run": (2, _mechanism_run),
 }
 # without a mistake they end well
 _COMMANDS = (
-    *("simulate", "sweep", "estimate", "observability", "drawings", "import", "live", "export"),
+    *("simulate", "sweep", "estimate", "observability", "drawings", "import", "live", "export", "export whole"),
     *("mechanism estimate", "mechanism run"),
 )

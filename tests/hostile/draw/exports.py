@@ -9,7 +9,7 @@ from hostile.draw.names import odd_kind, odd_name, odd_out
 from hostile.draw.numbers import near, number
 from hostile.draw.scenarios import gain
 
-_OUT, _FILE = "c", "own.py"
+_OUT, _FILE, PAGE = "c", "own.py", "x.html"
 OBSERVERS = (
     *("high_gain", "high_gain_3", "sliding_mode", "adaptive_sliding_mode", "kalman_constant", "kalman"),
     f"{_FILE}:block",
@@ -117,9 +117,15 @@ def export(random: Random, observers: tuple[str, ...] = OBSERVERS) -> Layer:
     return {"words": words, "files": {_FILE: {"text": _block({})}}}
 
 
-def good_option(random: Random) -> Layer:
+def good_option(random: Random, target: str) -> Layer:
     """Another option that is as it should be."""
-    return {"words": random.choice((["--float"], ["--uncorrected"], ["--period", "0.004"], ["--period", "1e-3"]))}
+    real = ["--float"] if target == "c" else []
+    return {"words": random.choice((real, ["--uncorrected"], ["--period", "0.004"], ["--period", "1e-3"]))}
+
+
+def whole(random: Random) -> Layer:
+    """A scenario as a page, or its plant alone."""
+    return {"words": random.choice((["export", "page", "--out", PAGE], ["export", "plant", "--out", _OUT]))}
 
 
 def of_scenario(random: Random) -> Layer:
