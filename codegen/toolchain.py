@@ -16,7 +16,7 @@ import struct
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
@@ -33,6 +33,14 @@ FLAGS = (
     *("-x", "c++", "-std=c++17", "-O3", "-fPIC", "-shared", "-fvisibility=hidden"),
     *("-ffp-contract=fast", "-fno-math-errno", "-fno-trapping-math"),  # -ffast-math would change the caller's FPU
     *("-Wall", "-Wextra", "-Wno-psabi", f"-DHILLOBS_ABI={ABI}"),  # vectors as arguments stay within one library
+)
+# contracted sums would round otherwise on another kind of processor
+C_FLAGS = ("-std=c99", "-O2", "-shared", "-fvisibility=hidden", "-ffp-contract=off", "-Wall", "-Wextra")
+# of a module for a page, which gives it mathematics; it tells where the page's arrays may begin
+WEB = "wasm32-freestanding"
+_WEB_FLAGS = (
+    *("-target", WEB, "-std=c99", "-O3", "-fno-math-errno", "-nostdlib"),
+    *(f"-Wl,{word}" for word in ("--no-entry", "--strip-all", "--import-symbols", "--export=__heap_base")),
 )
 NATIVE = "native"
 SINGLE = "native-scalar"
@@ -52,10 +60,12 @@ TARGETS: Mapping[str, tuple[str, ...]] = {
 }
 # fast on almost all processors of this kind
 PORTABLE = {"x86-64": "x86-64-v3", "arm64": "arm64"}.get(_MACHINE, "scalar")
+# how libraries of other systems begin: Mach-O for one processor and for several, Windows, WebAssembly
+_NOT_ELF = (b"\xcf\xfa\xed\xfe", b"\xca\xfe\xba\xbe", b"MZ", b"\0asm")
 COMPILE_TIMEOUT = 300.0  # seconds
 KEPT_LINES, KEPT_BYTES = 20, 16_000  # of what a compiler prints
 
-_SOURCE, _SOURCE_OF_C, _LIBRARY = "hillobs.cpp", "hillobs.c", "hillobs.so"
+_SOURCE, _LIBRARY = "hillobs.cpp", "hillobs.so"
 _PATH_VARIABLES = ("CPATH", "CPLUS_INCLUDE_PATH", "LIBRARY_PATH", "COMPILER_PATH", "GCC_EXEC_PREFIX", "SDKROOT")
 _POLL = 0.02  # seconds between two looks at a silent compiler
 _INSTALL = "Install one: `apt install g++`, or `pip install 'hillobs[compiler]'`."
@@ -90,6 +100,44 @@ def build(source: str, description: Mapping[str, object], target: str = NATIVE) 
     return cache.obtain(order, make, patience=_timeout() + 60)
 
 
+def build_c(files: Mapping[str, str], title: str, target: str = "") -> Path:
+    """Return the verified library of C files, by name, compiled unless the cache has it.
+
+    title: what it is, in a few words. target: a machine as zig names it, for which the `ziglang` wheel compiles; by
+    default this one, with the compiler found here.
+    """
+    compiler = zig() if target else find_compiler()
+    if compiler is None:
+        raise BuildError(f"For {target} the compiler `ziglang` is needed: `pip install 'hillobs[compiler]'`.")
+    # g++ forgets after a file that it is to take it for C
+    sources = [word for name in files if name.endswith(".c") for word in ("-x", "c", name)]
+    libraries = () if target == WEB else ("-lm",)
+    command = [*compiler.command, *_c_flags(compiler, target), "-o", _LIBRARY, *sources, *libraries]
+    description = {"functions": [{"name": title}]}
+    circumstances = {**_circumstances(compiler), "command": command}
+    key = cache.entry_key({"files": dict(files), "description": description, **circumstances})
+
+    def make(folder: Path) -> Path:
+        with building(description, compiler.kind):
+            return _compile(command, folder, files)
+
+    text = "\n".join([f"// {title}", *(f"// {name}\n{text}" for name, text in files.items())])
+    return cache.obtain(cache.Order(key, description, text.encode()), make, patience=_timeout() + 60)
+
+
+def _c_flags(compiler: Compiler, target: str) -> tuple[str, ...]:
+    """Return the flags for C that others load: for any processor of its kind, and the C library alone."""
+    if target == WEB:
+        return _WEB_FLAGS
+    if target:
+        position = () if "windows" in target else ("-fPIC",)
+        return (*C_FLAGS, *position, "-nostdlib++", "-s", "-target", target)
+    # the C++ compiler would ask for its own libraries too
+    lean = ("-nostdlib++", "-mcpu=baseline") if compiler.kind == "zig" else ()
+    needed = () if sys.platform == "darwin" else ("-Wl,--as-needed",)
+    return (*C_FLAGS, "-fPIC", *lean, *needed)
+
+
 def find_compiler() -> Compiler:
     """Return the compiler of CXX or CC, else g++, clang++ or c++, else the `ziglang` wheel."""
     limit = _timeout()
@@ -120,30 +168,11 @@ def compile_library(
     `flags` come after our own; `timeout` is in seconds, by default that of HILLOBS_COMPILE_TIMEOUT.
     """
     command = [*compiler.command, *_flags(compiler), *flags, "-o", _LIBRARY, _SOURCE, "-lm"]
-    return _compile(command, output_folder, {_SOURCE: source}, _incomplete, timeout)
+    return _compile(command, output_folder, {_SOURCE: source}, timeout)
 
 
-def build_module(source: str, description: Mapping[str, object], compiler: Compiler, flags: Sequence[str]) -> Path:
-    """Return the WebAssembly that `compiler`, zig's of C, makes of one file, compiled unless the cache has it."""
-    command = [*compiler.command, *flags, "-o", _LIBRARY, _SOURCE_OF_C]
-    circumstances = {"command": command, "version": compiler.version}
-    key = cache.entry_key({"source": source, "description": description, **circumstances})
-
-    def make(folder: Path) -> Path:
-        with building(description, compiler.kind):
-            return _compile(command, folder, {_SOURCE_OF_C: source}, _no_module)
-
-    return cache.obtain(cache.Order(key, description, source.encode()), make, patience=_timeout() + 60)
-
-
-def _compile(
-    command: Sequence[str],
-    folder: Path,
-    files: Mapping[str, str],
-    objection: Callable[[Path], str],
-    timeout: float | None = None,
-) -> Path:
-    """Return what a command makes of files in an empty folder, unless there is an objection to that."""
+def _compile(command: Sequence[str], folder: Path, files: Mapping[str, str], timeout: float | None = None) -> Path:
+    """Return the library that a command makes of files in an empty folder."""
     library = folder / _LIBRARY
     scratch = {"TMPDIR": str(folder), "ZIG_LOCAL_CACHE_DIR": str(folder / "zig")}
     shared = {"ZIG_GLOBAL_CACHE_DIR": str(folder.parent / cache.ZIG_FOLDER)}
@@ -151,7 +180,7 @@ def _compile(
         for name, text in files.items():
             write_new(folder / name, text.encode())
         code, output = _run(command, folder, _timeout() if timeout is None else timeout, scratch | shared)
-        problem = _ending(code) if code else objection(library)
+        problem = _ending(code) if code else _incomplete(library)
     except OSError as error:
         # the folder that stays; this one is gone when the sentence is read
         raise BuildError(f"Nothing can be compiled in {folder.parent}: {error.strerror}.") from error
@@ -187,13 +216,13 @@ def _examine(given: Sequence[str], limit: float) -> Compiler:
     return Compiler(command, _kind(version), version, Path(program).resolve())
 
 
-def zig(language: str = "c++") -> Compiler | None:
-    """Return the compiler of the `ziglang` wheel for `c++` or `cc`, or None; its version needs no start of it."""
+def zig() -> Compiler | None:
+    """Return the compiler of the `ziglang` wheel, or None; its version needs no start of it."""
     found = importlib.util.find_spec("ziglang")
     if found is None or found.origin is None:
         return None
     # -P: a folder `ziglang` in the current one is never imported
-    command = (sys.executable, "-P", "-m", "ziglang", language)
+    command = (sys.executable, "-P", "-m", "ziglang", "c++")
     return Compiler(command, "zig", f"ziglang {_package_version('ziglang')}", Path(found.origin).with_name("zig"))
 
 
@@ -329,19 +358,13 @@ def _incomplete(library: Path) -> str:
             head, size = file.read(64), os.fstat(file.fileno()).st_size
     except FileNotFoundError:
         return "reported success but wrote no library"
-    if head[:4] in (b"\xcf\xfa\xed\xfe", b"\xca\xfe\xba\xbe"):  # Mach-O
+    if head.startswith(_NOT_ELF):
         return ""
     if head[:4] != b"\x7fELF" or len(head) < 64:
         return "reported success but what it wrote is not a library"
     # the section table comes last: a file that holds all of it was not cut short
     start, (entry, count) = int.from_bytes(head[40:48], sys.byteorder), struct.unpack("=HH", head[58:62])
     return "" if start + entry * count <= size else "reported success but wrote only part of a library"
-
-
-def _no_module(path: Path) -> str:
-    """Return what is wrong with the WebAssembly that a compiler left, or an empty text."""
-    module = path.is_file() and path.read_bytes().startswith(b"\0asm")
-    return "" if module else "reported success but wrote no module"
 
 
 def _package_version(name: str) -> str:

@@ -5,6 +5,7 @@
     estimates = hillobs.estimate("run.csv", "pair.toml")         # from a recording, in SI
     estimates = hillobs.estimate("arm.sto", "arm.toml")          # of joints and any number of muscles
     follower = hillobs.follow("pair.toml", "high_gain")          # sample by sample, as they come
+    hillobs.export_fmu("high_gain", 0.005, "fmu")               # for other programs; `export_c` for boards
     hillobs.observability(place={"x3": 1.99}).verdict            # can these sensors see this state?
 
 Results are xarray.Datasets. Your own observer is a `Block`; `conformance(block)` says what is wrong with one.
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
     from .studies.estimate.run import estimate
     from .studies.estimate.schema import arguments
     from .studies.export.pages import export_page
+    from .studies.export.run import export_c, export_fmu, export_plant
     from .studies.files.datasets.netcdf import load
     from .studies.files.errors import ClusterError, RecordingError, ResultError, ScenarioError
     from .studies.files.versions import __version__
@@ -60,6 +62,7 @@ _NAMES = {
     ".studies.estimate.run": ("estimate",),
     ".studies.estimate.schema": ("arguments",),
     ".studies.export.pages": ("export_page",),
+    ".studies.export.run": ("export_c", "export_fmu", "export_plant"),
     ".studies.files.errors": ("ClusterError", "RecordingError", "ResultError", "ScenarioError"),
     ".studies.files.datasets.netcdf": ("load",),
     ".studies.files.versions": ("__version__",),
@@ -128,7 +131,10 @@ __all__ = [
     "conformance",
     "constant_moment_arms",
     "estimate",
+    "export_c",
+    "export_fmu",
     "export_page",
+    "export_plant",
     "fit",
     "follow",
     "load",

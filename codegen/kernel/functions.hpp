@@ -3,6 +3,9 @@
 // adding and taking away 1.5·2⁵² rounds to a whole number, which is then in the last bits
 static const double ROUNDER = 6755399441055744.0;
 
+// 2ⁿ, −1022 ≤ n ≤ 1023; the shift is one without a sign, which is defined for any n
+INLINE Reals power_of_two(Wholes n) { return real((Wholes)((Bits)(n + 1023) << 52)); }
+
 // e^x = 2ⁿ e^r, |r| ≤ ln 2/2; ≤ 2 ulp
 INLINE Reals exp_of(Reals x) {
     x = pick(x > all(710), all(710), pick(x < all(-746), all(-746), x));
@@ -13,9 +16,9 @@ INLINE Reals exp_of(Reals x) {
                                          1 / 5040.0, 1 / 720.0, 1 / 120.0, 1 / 24.0, 1 / 6.0, 0.5};
     for (double c : inverse_factorials) e = e * r + c;
     e = (e * r * r + r) + 1.0;
-    // 2ⁿ in two factors: n may be below −1022 or 1024
+    // 2ⁿ in two factors: n may be below −1022 or 1024; of NaN it is any number
     const Wholes whole = bits(shifted) - bits(all(ROUNDER)), half = whole >> 1;
-    return e * real((half + 1023) << 52) * real((whole - half + 1023) << 52);
+    return e * power_of_two(half) * power_of_two(whole - half);
 }
 
 // sin (shift 0) and cos (shift 1): x = n π/2 + r, |r| ≤ π/4, for |x| ≤ 10⁵; ≤ 2 ulp of the larger of the two

@@ -19,12 +19,13 @@
 #define HILLOBS_BYTES 8
 #endif
 
-// One register: WIDTH numbers, and whole numbers or masks of the same width.
+// One register: WIDTH numbers, and whole numbers, with a sign or without, or masks of the same width.
 #if HILLOBS_BYTES == 8
 enum { GROUPS = 1 };
 #define SECOND(...)
 typedef double Reals;
 typedef int64_t Wholes;
+typedef uint64_t Bits;
 typedef bool Mask;
 INLINE Wholes bits(Reals x) { Wholes n; memcpy(&n, &x, sizeof n); return n; }
 INLINE Reals real(Wholes n) { Reals x; memcpy(&x, &n, sizeof x); return x; }
@@ -33,6 +34,7 @@ enum { GROUPS = 2 };  // one register per value leaves the latencies uncovered, 
 #define SECOND(...) __VA_ARGS__
 typedef double Reals __attribute__((vector_size(HILLOBS_BYTES)));
 typedef int64_t Wholes __attribute__((vector_size(HILLOBS_BYTES)));
+typedef uint64_t Bits __attribute__((vector_size(HILLOBS_BYTES)));
 typedef Wholes Mask;
 INLINE Wholes bits(Reals x) { return (Wholes)x; }
 INLINE Reals real(Wholes n) { return (Reals)n; }

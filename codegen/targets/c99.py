@@ -14,7 +14,7 @@ from typing import Any
 import casadi as ca
 
 from ...model.block import BlockError
-from .manifest import Manifest, Member
+from .manifest import Manifest, Member, one_line
 
 DOUBLE, FLOAT = "double", "float"
 
@@ -26,6 +26,7 @@ _MATHEMATICS = frozenset((_TEMPLATES / "mathematics.txt").read_text(encoding="ut
 # digits that tell two numbers apart
 _DIGITS = {DOUBLE: 17, FLOAT: 9}
 _GROUPS = ("state", "params", "input", "estimate")
+_PROGRAM = "main.c"
 
 Words = Mapping[str, str]
 
@@ -35,13 +36,15 @@ def c_files(manifest: Manifest, real: str = DOUBLE) -> dict[str, str]:
 
     real: the type of all numbers.
     """
+    if f"{manifest.name}.c" == _PROGRAM:
+        raise BlockError(f"{manifest.name}: {_PROGRAM} is the program beside the observer; give yours another name")
     name, code = manifest.name, _casadi([*manifest.functions.values()], manifest.prefix, real)
     names = {group: _identifiers(name, getattr(manifest, group)) for group in _GROUPS}
     common = _common(manifest, names, code, real)
     return {
         f"{name}.h": _filled("observer.h", common, _header(manifest, names, real)),
         f"{name}.c": _filled("observer.c", common, _source(manifest, names, code, real)),
-        "main.c": _filled("main.c", common, _program(manifest, names, real)),
+        _PROGRAM: _filled("main.c", common, _program(manifest, names, real)),
         "CMakeLists.txt": _filled("CMakeLists.txt", common),
         "README.md": _filled("README.md", common, _page(manifest, names)),
     }
@@ -68,7 +71,7 @@ def _common(manifest: Manifest, names: Mapping[str, Sequence[str]], code: str, r
     """What several files say."""
     functions, prefix = manifest.functions.values(), manifest.prefix
     return {
-        **{f"n_{group}": str(len(members)) for group, members in names.items()},
+        **{f"n_{group}": str(max(len(members), 1)) for group, members in names.items()},
         "n_arg": str(max(f.sz_arg() for f in functions)),
         "n_res": str(max(f.sz_res() for f in functions)),
         "n_motion": str(manifest.functions["depart"].numel_out(0)),
@@ -144,6 +147,8 @@ def _identifiers(observer: str, members: Sequence[Member]) -> list[str]:
 
 
 def _members(members: Sequence[Member], names: Sequence[str], prefix: str) -> Iterator[str]:
+    if not members:
+        yield f"    {prefix}_real nothing; /* no struct is empty in C */"
     for member, name in zip(members, names, strict=True):
         about = ", ".join(words for words in (member.unit, member.bounds) if words)
         yield f"    {prefix}_real {name}; /* {_text(member.sentence)} [{_text(about)}] */"
@@ -164,8 +169,7 @@ def _number(observer: str, name: str, value: float, real: str) -> str:
 
 def _text(words: str) -> str:
     """Words of others on one line of a comment, which they do not end."""
-    line = "".join(c if c.isprintable() else " " for c in words)
-    return re.sub(r"\*(?=/)|/(?=\*)", lambda mark: f"{mark[0]} ", line)
+    return re.sub(r"\*(?=/)|/(?=\*)", lambda mark: f"{mark[0]} ", one_line(words))
 
 
 def _steps(substeps: int) -> str:

@@ -134,11 +134,11 @@ class _Parts:
         guards = self.roles["watch"](at, x, self.p, [], there)
         scales = self.roles["scales"](self.clock.period / max(self.clock.substeps, 1), self.p)
         sane, within = ca.fabs(self.now) < _BEYOND, ca.fabs(ca.vertcat(x, y)) * scales <= 1
-        fine = _all(ca.vertsplit(ca.vertcat(sane, within, domain > 0)))
+        fine = all_of(ca.vertsplit(ca.vertcat(sane, within, domain > 0)))
         arrived = ca.vertcat(x, at if self.absolute else ca.SX(0, 1), there)
         estimates = ca.vertcat(y * self._units(self.block.y), guards)
         arguments = [self.d, self.p, self.s, self.u, self.m]
-        return arguments, [arrived, estimates, fine, _any(ca.vertsplit(guards))]
+        return arguments, [arrived, estimates, fine, any_of(ca.vertsplit(guards))]
 
     def _told(self, measured: ca.SX) -> ca.SX:
         """What the front makes of measurements."""
@@ -168,7 +168,7 @@ def _shifted(block: Block) -> Block:
     )
 
 
-def _all(conditions: Sequence[ca.SX]) -> ca.SX:
+def all_of(conditions: Sequence[ca.SX]) -> ca.SX:
     """1 if all are; a comparison with what is no number is 0."""
     result = ca.SX(1)
     for condition in conditions:
@@ -176,7 +176,8 @@ def _all(conditions: Sequence[ca.SX]) -> ca.SX:
     return result
 
 
-def _any(conditions: Sequence[ca.SX]) -> ca.SX:
+def any_of(conditions: Sequence[ca.SX]) -> ca.SX:
+    """1 if one is above 0."""
     result = ca.SX(0)
     for condition in conditions:
         result = ca.logic_or(result, condition > 0)

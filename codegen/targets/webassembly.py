@@ -9,12 +9,9 @@ from string import Template
 
 import casadi as ca
 
-from ..toolchain import build_module, zig
+from ..toolchain import WEB, build_c, zig
 
 _TEMPLATE = resources.files("hillobs.codegen.targets.templates.page") / "module.c"
-# the page gives what is left of mathematics; where arrays may begin is told by the linker
-_LINKED = ("-nostdlib", *(f"-Wl,{word}" for word in ("--no-entry", "--strip-all", "--import-symbols")))
-_FLAGS = ("--target=wasm32-freestanding", "-O3", "-fno-math-errno", *_LINKED, "-Wl,--export=__heap_base")
 
 
 @dataclass(frozen=True, eq=False)  # functions have no usable ==
@@ -32,8 +29,7 @@ def webassembly(calls: Sequence[Call]) -> bytes | None:
 
     None where the compiler is not installed; BuildError if it fails.
     """
-    compiler = zig("cc")
-    if compiler is None:
+    if zig() is None:
         return None
     generator = ca.CodeGenerator("page.c", {"casadi_int": "int", "include_math": False, "with_header": False})
     for call in calls:
@@ -41,8 +37,7 @@ def webassembly(calls: Sequence[Call]) -> bytes | None:
     source = Template(_TEMPLATE.read_text(encoding="utf-8")).substitute(
         code=str(generator.dump()).strip(), functions="\n".join(map(_exported, calls))
     )
-    description = {"functions": [{"name": call.name} for call in calls]}
-    return build_module(source, description, compiler, _FLAGS).read_bytes()
+    return build_c({"page.c": source}, "a page", WEB).read_bytes()
 
 
 def _exported(call: Call) -> str:

@@ -26,7 +26,7 @@ _COMMANDS: Mapping[str, tuple[str, str]] = {
     "live": ("live", "Estimate from samples as they come, line by line."),
     "import": ("importing", "Make a mechanism file of an OpenSim model."),
     "fit": ("fit", "Find the Kalman filter's densities by likelihood."),
-    "export": ("export", "Write an observer as C for another program."),
+    "export": ("export", "Write an observer as C or FMUs for other programs."),
     "observability": ("observability", "Say what some sensors determine at a point."),
     "figures": ("figures", "Draw the figures of a result again."),
     "curves": ("figures", "Draw the muscle's curves of every publication."),

@@ -55,7 +55,7 @@ def _fastest(block: Block, named: Mapping[str, ca.SX], numbers: Mapping[str, flo
     expressions = ca.vertcat(*named.values())
     if not named:
         return 0.0
-    values = _numeric(expressions, block.p, numbers)[:, 0]
+    values = _numeric(expressions, (block.p, numbers))[:, 0]
     if not np.isfinite(values).all():
         wrong = expressions[int(np.argmin(np.isfinite(values)))]
         zeros = [f"{block.name}.{name}" for name, p in block.p.items() if not numbers[name] and ca.depends_on(wrong, p)]
@@ -73,12 +73,13 @@ def _spectral_radius(block: Block, numbers: Mapping[str, float], start: Mapping[
     there = ca.substitute(
         ca.jacobian(block.dx.vector(), block.x.only(block.dx).vector()), block.x.vector(), ca.vertcat(*x0)
     )
-    A = _numeric(there, Symbols({**block.p, **block.u}), {**numbers, **start})
+    A = _numeric(there, (block.p, numbers), (block.u, start))
     if not A.size:
         return 0.0
     return float(np.abs(np.linalg.eigvals(A)).max()) if np.isfinite(A).all() else math.nan
 
 
-def _numeric(expressions: ca.SX, symbols: Symbols, values: Mapping[str, float]) -> Array:
-    function = ca.Function("numeric", [symbols.vector()], [expressions])
-    return np.array(function([values[name] for name in symbols]), dtype=float)
+def _numeric(expressions: ca.SX, *given: tuple[Symbols, Mapping[str, float]]) -> Array:
+    """Their values; a number and an input of a user's observer may have the same name."""
+    function = ca.Function("numeric", [names.vector() for names, _ in given], [expressions])
+    return np.array(function(*([values[name] for name in names] for names, values in given)), dtype=float)

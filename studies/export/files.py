@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 from ...codegen.targets.c99 import DOUBLE, FLOAT, c_files
+from ...codegen.targets.fmu import fmus
 from ...codegen.targets.manifest import Manifest
 from ..files.writing import refuse_overwriting, writable_folder, write_whole
 
@@ -16,8 +18,21 @@ def save_c(manifest: Manifest, folder: Path, single: bool = False) -> list[Path]
     cannot be expressed in C.
     """
     files = c_files(manifest, FLOAT if single else DOUBLE)
-    texts = {writable_folder(folder) / name: text for name, text in files.items()}
-    refuse_overwriting(list(texts))
-    for path, text in texts.items():
-        write_whole(path, text.encode())
-    return list(texts)
+    return _saved({name: text.encode() for name, text in files.items()}, folder)
+
+
+def save_fmus(manifest: Manifest, folder: Path) -> list[Path]:
+    """An observer as FMUs, `NAME-fmi2.fmu` and `NAME-fmi3.fmu`, written in the same way; their paths.
+
+    With libraries for this machine and, where the extra `compiler` is there, for all others. BuildError if nothing can
+    be compiled.
+    """
+    return _saved(fmus(manifest), folder)
+
+
+def _saved(files: Mapping[str, bytes], folder: Path) -> list[Path]:
+    contents = {writable_folder(folder) / name: content for name, content in files.items()}
+    refuse_overwriting(list(contents))
+    for path, content in contents.items():
+        write_whole(path, content)
+    return list(contents)

@@ -4,15 +4,25 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 
 from ...codegen.targets.follower import TIME
 from ...codegen.targets.manifest import Member
 from ...model.block import Parameter, Parameters
 from ...model.limits import ORDERS_OF_JOINT, ORDERS_OF_MUSCLE
+from ...model.plant import STIFFNESS
 from ...model.symbols import SIGNALS, hat, signal_of
 from ...model.system import System
 from ..laboratory.scales import Scales
+
+ON_PAPER = (
+    "All is in the paper's units: lengths over the optimal fibre length of muscle 1, forces over its largest force, "
+    "time τ = v_max t."
+)
+IN_SI = (
+    "What is measured and estimated is in SI. The state and the parameters are in the paper's units: lengths over the "
+    "optimal fibre length of the first muscle, forces over its largest force, time τ = v_max t."
+)
 
 # unit of a number by name, as a number and as a word; what is not named has none
 Units = Mapping[str, tuple[float, str]]
@@ -52,14 +62,44 @@ def inputs(names: Iterable[str], system: System, units: Units) -> list[Member]:
 
 def estimates(names: Iterable[str], system: System, units: Units) -> list[Member]:
     """Members for what is estimated, and for guards."""
-    said = {name: _said(name, system, f"1 while the limit {name} is active, else 0") for name in names}
-    bounds = dict.fromkeys(map(hat, system.muscle("a")), "≥ 0, ≤ 1")
-    return [Member(name, units.get(name, _NO_UNIT)[1], said[name], bounds.get(name, "")) for name in said]
+    said = {name: _said(name, system, _limit(name)) for name in names}
+    bounds = dict.fromkeys(map(hat, system.muscle("a")), ("≥ 0, ≤ 1", 0.0, 1.0))
+    return [Member(name, units.get(name, _NO_UNIT)[1], said[name], *bounds.get(name, ())) for name in said]
+
+
+def signals(names: Sequence[str], system: System) -> list[Member]:
+    """Members for what a plant shows, in the paper's units."""
+    known = {name: signal_of(name).sentence for name in system.quantities}
+    for muscle in system.muscles:
+        known[system.name("taut", muscle)] = f"1 while the tendon of {muscle} carries force, else 0"
+        known[system.name("Phi_S", muscle)] = f"force of the tendon of {muscle}"
+    known |= {name: f"reference of {name.removeprefix('r.')}" for name in names if name.startswith("r.")}
+    known[STIFFNESS] = "the largest rate of all tendons, which asks for small steps"
+    return [Member(name, _NO_UNIT[1], known.get(name) or _said(name, system, name)) for name in names]
+
+
+def guards(names: Iterable[str]) -> list[Member]:
+    """Members for guards."""
+    return [Member(name, _NO_UNIT[1], _limit(name)) for name in names]
+
+
+def _limit(name: str) -> str:
+    return f"1 while the limit {name} is active, else 0"
 
 
 def numbers(parameters: Parameters) -> list[Member]:
     """Members for the parameters."""
-    return [Member(name, about.unit, about.sentence, _bounds(about)) for name, about in parameters.items()]
+    return [
+        Member(
+            name,
+            about.unit,
+            about.sentence,
+            _bounds(about),
+            max(about.above, about.least),
+            min(about.below, about.most),
+        )
+        for name, about in parameters.items()
+    ]
 
 
 def _bounds(parameter: Parameter) -> str:

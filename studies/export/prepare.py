@@ -30,15 +30,6 @@ from ..scenarios.paths import paths_of
 from ..scenarios.prepare import prepare
 from . import members
 
-_ON_PAPER = (
-    "All is in the paper's units: lengths over the optimal fibre length of muscle 1, forces over its largest force, "
-    "time τ = v_max t."
-)
-_IN_SI = (
-    "What is measured and estimated is in SI. The state and the parameters are in the paper's units: lengths over the "
-    "optimal fibre length of the first muscle, forces over its largest force, time τ = v_max t."
-)
-
 
 @dataclass(frozen=True)
 class Numbers:
@@ -97,11 +88,12 @@ def exported(
         period=float(period),
         time_unit="s" if scales else "",
         substeps=n,
-        units=_IN_SI if scales else _ON_PAPER,
+        units=members.IN_SI if scales else members.ON_PAPER,
         state=members.states(made.states, system),
         params=members.numbers(made.block.parameters),
         input=members.inputs(made.inputs, system, units),
         estimate=members.estimates(made.estimates, system, units),
+        guards=len(made.block.guards),
         defaults=[values[key] for key in made.block.p],
         columns=found.columns,
         functions=made.functions,

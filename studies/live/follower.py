@@ -48,8 +48,9 @@ class Follower:
             raise ScenarioError(f"learning must be above 0 and at most {_LONGEST:g} s, not {seconds:g} s")
         if not (self._learning or T):
             raise ScenarioError("the period must be above 0 s, not 0 s")
-        for seconds_apart in (period, T / s.rate):
-            if seconds_apart and (objection := _objection(seconds_apart, s)):
+        # in s even the smallest of all T may be 0
+        for given, seconds_apart in ((period, period), (T, T / s.rate)):
+            if given and (objection := _objection(seconds_apart, s)):
                 raise ScenarioError(objection)
         if not self._learning:
             setup.refuse_too_fast(gains, T)

@@ -20,10 +20,11 @@ class Case:
 
     words: `hillobs WORDS`. python: a program instead, which uses the façade.
     files: path from the working folder → what is there before, see `sandbox.lay`.
+    input: what is on standard input, as of a file; nothing if it is left out.
     names: name in words and files → the one that takes its place.
     environment: variable → value, or None to unset it.
     limits: resource → number; of RLIMIT_AS what is left beyond the memory that a loaded process has.
-    streams: stdout, stderr → full, closed, broken (its reader is gone).
+    streams: stdout, stderr → full, closed, broken (its reader is gone); stdin → closed, unreadable.
     signals: [name, n]: it comes at the n-th call that Python reports to audit hooks.
     fresh: in a process of its own, from its first import on. writes: where a program may write.
     code: the exit code, where only one is right.
@@ -32,6 +33,7 @@ class Case:
     words: tuple[str, ...] = ()
     python: str = ""
     files: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    input: Mapping[str, Any] = field(default_factory=dict)
     names: Mapping[str, str] = field(default_factory=dict)
     environment: Mapping[str, str | None] = field(default_factory=dict)
     limits: Mapping[str, int] = field(default_factory=dict)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import re
 from collections.abc import Iterator
 
 import numpy as np
@@ -39,6 +41,20 @@ def nonsense_in(result: object) -> Iterator[str]:
         size = max([1.0, *(_largest(result[known]) for known in _SIZES.get(str(name), ()) if known in result)])
         if name in _SIZES and (largest := _largest(variable)) > BEYOND * size:
             yield f"{name} reaches {largest:.3g}, where what it stands for is at most {size:.3g}"
+
+
+_NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?")
+
+
+def nonsense_told(told: str, known: str) -> Iterator[str]:
+    """A sentence if a number among estimates is too large beside all numbers that are known."""
+    size, largest = max(1.0, _largest_of(known)), _largest_of(told)
+    if largest > BEYOND * size:
+        yield f"{largest:.3g} is told as an estimate, where all that is known is at most {size:.3g}"
+
+
+def _largest_of(text: str) -> float:
+    return max((abs(x) for x in map(float, _NUMBER.findall(text)) if math.isfinite(x)), default=0.0)
 
 
 def lost(result: xr.Dataset) -> bool:

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import re
+import shutil
 import signal
+import subprocess
 from collections.abc import Iterator
 from pathlib import Path
 
 from hillobs.model.errors import Error
 from hillobs.studies.files.datasets.netcdf import load
 from hostile.case import Case
-from hostile.nonsense import lost, nonsense_in
+from hostile.nonsense import lost, nonsense_in, nonsense_told
 from hostile.process import Ending
 
 DONE, NUMERICAL, USAGE, READER_GONE = 0, 1, 2, 141
@@ -19,6 +21,7 @@ _RANKS = ("observability",)
 # a warning of NumPy is no sentence of ours
 _BARE = re.compile(r"encountered in|[Mm]ean of empty|All-NaN|[Dd]egrees of freedom|RuntimeWarning|DeprecationWarning")
 _NO_NUMBER = re.compile(r"(?<![\w./=-])[+-]?(inf|nan)(?![\w./=-])")
+_STRICT = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror")
 # after it follow the compiler's own words
 _COMPILER = "hillobs: The compiler "
 
@@ -33,6 +36,8 @@ def violations(case: Case, ending: Ending, written: list[Path]) -> Iterator[str]
         yield f"{ending.orphans} processes are left running"
     yield from _wrong_words(ending)
     yield from _wrong_numbers(case, ending, written)
+    if ending.code == DONE:
+        yield from _wrong_C(written)
 
 
 def _wrong_code(case: Case, ending: Ending) -> Iterator[str]:
@@ -71,6 +76,9 @@ def _wrong_words(ending: Ending) -> Iterator[str]:
 def _wrong_numbers(case: Case, ending: Ending, written: list[Path]) -> Iterator[str]:
     if number := _NO_NUMBER.search(ending.out):
         yield f"{number[0]!r} is printed as a number: {_line_with(ending.out, number.start())!r}"
+    if case.words[:1] == ("live",):
+        known = [*case.words, *(str(entry.get("text", "")) for entry in (case.input, *case.files.values()))]
+        yield from nonsense_told(ending.out, "\n".join(known))
     for path in written:
         if path.suffix == ".nc":
             yield from _wrong_result(case, ending, path)
@@ -89,6 +97,18 @@ def _wrong_result(case: Case, ending: Ending, path: Path) -> Iterator[str]:
     verb = case.words[0] if case.words else ""
     if ending.code == DONE and lost(result) and verb not in _RANKS:
         yield f"{path.name}: numbers end, but the exit code is 0"
+
+
+def _wrong_C(written: list[Path]) -> Iterator[str]:
+    """What a strict compiler says of exported sources."""
+    sources = [path for path in written if path.suffix == ".c"]
+    compiler = shutil.which("cc")
+    if not sources or not compiler:
+        return
+    command = [compiler, *_STRICT, *(path.name for path in sources), "-lm", "-o", "linked"]
+    done = subprocess.run(command, cwd=sources[0].parent, capture_output=True, text=True, check=False)
+    if done.returncode:
+        yield f"C that does not compile: {next(iter(done.stderr.splitlines()[1:]), '')}"
 
 
 def _last_line(text: str) -> str:

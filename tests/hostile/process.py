@@ -52,17 +52,28 @@ def adopt_orphans() -> None:
     ctypes.CDLL(None, use_errno=True).prctl(_SUBREAPER, 1, 0, 0, 0)
 
 
-def run(case: Case, box: Path) -> Ending:
-    """Run the command of a case in its folder."""
+def run(case: Case, box: Path, given: bytes) -> Ending:
+    """Run the command of a case in its folder, with `given` on standard input."""
     pipes = {name: os.pipe() for name in ("report", "stdout", "stderr")}
     writers = {name: writer for name, (_, writer) in pipes.items()}
-    process = (_afresh if case.fresh else _forked)(case, box, writers)
-    for writer in writers.values():
-        os.close(writer)
+    source = _source(case, given)
+    process = (_afresh if case.fresh else _forked)(case, box, source, writers)
+    for end in (source, *writers.values()):
+        os.close(end)
     said, hung = _listen({name: reader for name, (reader, _) in pipes.items()}, process)
     code = os.waitstatus_to_exitcode(os.waitpid(process, 0)[1])
     orphans = _end_orphans()
     return Ending(code, said["stdout"], said["stderr"], tuple(said["report"].split()), hung, orphans)
+
+
+def _source(case: Case, given: bytes) -> int:
+    """What standard input is read from."""
+    if case.streams.get("stdin") == "unreadable":
+        return os.open("/proc/self/mem", os.O_RDONLY)  # its first bytes are those of nobody
+    source = os.memfd_create("stdin")
+    os.write(source, given)
+    os.lseek(source, 0, os.SEEK_SET)
+    return source
 
 
 def _surroundings(case: Case, box: Path) -> dict[str, str]:
@@ -81,14 +92,14 @@ def _fonts() -> str:
     return matplotlib.get_cachedir()
 
 
-def _forked(case: Case, box: Path, pipes: Mapping[str, int]) -> int:
+def _forked(case: Case, box: Path, source: int, pipes: Mapping[str, int]) -> int:
     child = os.fork()
     if child == 0:
-        os._exit(exit_code(lambda: _become(case, box, pipes)))
+        os._exit(exit_code(lambda: _become(case, box, source, pipes)))
     return child
 
 
-def _become(case: Case, box: Path, pipes: Mapping[str, int]) -> None:
+def _become(case: Case, box: Path, source: int, pipes: Mapping[str, int]) -> None:
     """Turn this fork into the command of a case."""
     from hillobs import __main__ as start
 
@@ -101,7 +112,7 @@ def _become(case: Case, box: Path, pipes: Mapping[str, int]) -> None:
     surroundings = _surroundings(case, box)
     os.environ.clear()
     os.environ.update(surroundings)
-    os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
+    _hear(case, source)
     for number, name in enumerate(("stdout", "stderr"), 1):
         redirect(number, name, _where(case, name), pipes[name])
         os.close(pipes[name])
@@ -113,7 +124,17 @@ def _become(case: Case, box: Path, pipes: Mapping[str, int]) -> None:
         start.main()
 
 
-def _afresh(case: Case, box: Path, pipes: Mapping[str, int]) -> int:
+def _hear(case: Case, source: int) -> None:
+    """Let standard input of this process be another one."""
+    os.dup2(source, 0)
+    if case.streams.get("stdin") == "closed":
+        sys.stdin = None
+        os.close(0)
+    else:
+        sys.stdin = open(0, closefd=False)  # noqa: SIM115
+
+
+def _afresh(case: Case, box: Path, source: int, pipes: Mapping[str, int]) -> int:
     asked = json.dumps({name: getattr(case, name) for name in ("words", "python", "limits", "signals")})
 
     def prepare() -> None:
@@ -121,12 +142,14 @@ def _afresh(case: Case, box: Path, pipes: Mapping[str, int]) -> int:
         limit({"RLIMIT_AS": _MEMORY})
         for number, name in enumerate(("stdout", "stderr"), 1):
             redirect(number, name, _where(case, name), number)
+        if case.streams.get("stdin") == "closed":
+            os.close(0)
 
     started = subprocess.Popen(
         [sys.executable, str(_LAUNCH), str(pipes["report"]), asked],
         cwd=box / DESK,
         env=_surroundings(case, box),
-        stdin=subprocess.DEVNULL,
+        stdin=source,
         stdout=pipes["stdout"],
         stderr=pipes["stderr"],
         pass_fds=[pipes["report"]],
@@ -178,14 +201,18 @@ def _listen(readers: Mapping[str, int], process: int) -> tuple[dict[str, str], b
 def _end_orphans() -> int:
     """How many processes a case has left, which are ended; those that were just killed may take their time to go."""
     deadline = time.monotonic() + _GRACE
-    while (left := _children()) and time.monotonic() < deadline:
+    while _children() and time.monotonic() < deadline:
         _reap()
         time.sleep(0.001)
-    for child in left:
-        with contextlib.suppress(ProcessLookupError):
-            os.kill(child, signal.SIGKILL)
-        os.waitpid(child, 0)
-    return len(left)
+    ended = 0
+    # the children of each that is killed are ours next
+    while left := _children():
+        for child in left:
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(child, signal.SIGKILL)
+            os.waitpid(child, 0)
+        ended += len(left)
+    return ended
 
 
 def _children() -> list[int]:

@@ -14,6 +14,7 @@ from hostile.case import Case
 
 _ULIMIT = {"RLIMIT_NOFILE": "-n", "RLIMIT_FSIZE": "-f", "RLIMIT_NPROC": "-u", "RLIMIT_AS": "-v"}
 _STREAMS = {"full": ">/dev/full", "closed": ">&-", "broken": "| true"}
+_SOURCES = {"closed": "<&-", "unreadable": "</proc/self/mem"}
 _NUMBERS = {"stdout": "", "stderr": "2"}
 
 
@@ -26,7 +27,7 @@ def recipe(case: Case) -> Iterator[str]:
         yield f"# {name} comes at call {at}"
     for name, number in case.limits.items():
         yield f"# ulimit {_ULIMIT[name]}, as for {name} = {number:,}"
-    yield " ".join([*_environment(case), *_command(case), *_redirections(case)])
+    yield " ".join([*_given(case), *_environment(case), *_command(case), *_redirections(case)])
 
 
 def _file(name: str, entry: Mapping[str, Any]) -> Iterator[str]:
@@ -45,12 +46,26 @@ def _file(name: str, entry: Mapping[str, Any]) -> Iterator[str]:
             yield f"mkfifo -- {quoted}"
         case {"result": result, **damage}:
             yield f"# {name}: the result of {result} in hostile/results.py, changed by {json.dumps(damage)}"
+        case {"forged": changes}:
+            yield f"# {name}: the state in hostile/results.py, forged with {json.dumps(changes)}"
+        case {"shipped": shipped}:
+            yield f"# {name}: {shipped} in studies/laboratory/recordings"
         case _:
-            raw = entry.get("text", entry.get("gzip", "")).encode("utf-8", "surrogateescape")
-            pressed = base64.b64encode(gzip.compress(raw, mtime=0)).decode()
-            yield f"printf %s {pressed} | base64 -d {'' if 'gzip' in entry else '| gzip -d '}> ./{quoted}"
+            yield f"{_printed(entry)}> ./{quoted}"
     if "mode" in entry:
         yield f"chmod {entry['mode']:o} ./{quoted}"
+
+
+def _printed(entry: Mapping[str, Any]) -> str:
+    """A command that prints the content of a file."""
+    raw = entry.get("text", entry.get("gzip", "")).encode("utf-8", "surrogateescape")
+    pressed = base64.b64encode(gzip.compress(raw, mtime=0)).decode()
+    return f"printf %s {pressed} | base64 -d {'' if 'gzip' in entry else '| gzip -d '}"
+
+
+def _given(case: Case) -> Iterator[str]:
+    if case.input:
+        yield f"{_printed(case.input)}|"
 
 
 def _environment(case: Case) -> Iterator[str]:
@@ -65,7 +80,8 @@ def _command(case: Case) -> Iterator[str]:
 
 
 def _redirections(case: Case) -> Iterator[str]:
-    yield from (f"{_NUMBERS[name]}{_STREAMS[where]}" for name, where in case.streams.items())
+    for name, where in case.streams.items():
+        yield _SOURCES[where] if name == "stdin" else f"{_NUMBERS[name]}{_STREAMS[where]}"
 
 
 def _quoted(text: str) -> str:

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from hillobs.studies.files.datasets.netcdf import sealed
+from hostile.results import forged_state
 from places import RECORDINGS
 
 # bytes of the seal at the end of a result
@@ -36,7 +37,8 @@ def lay(box: Path, files: Mapping[str, Mapping[str, Any]], result: Callable[[str
     """Make the folder of a case.
 
     An entry has one of text (bytes that are no UTF-8 as surrogates), gzip (the same, compressed), link (where to),
-    hard (a second name of), folder, pipe, shipped (a file of the laboratory), result (see `results`); and mode.
+    hard (a second name of), folder, pipe, shipped (a file of the laboratory), result and forged (see `results`); and
+    mode.
     A result may have edits (place from 0 to 1, and bytes as hex), cut (what is left of it), and seal (whether it is
     sealed again, as a forger would).
     """
@@ -77,6 +79,8 @@ def content(entry: Mapping[str, Any], result: Callable[[str], bytes]) -> bytes:
             return gzip.compress(text.encode("utf-8", "surrogateescape"), mtime=0)
         case {"shipped": name}:
             return (RECORDINGS / name).read_bytes()
+        case {"forged": changes}:
+            return forged_state(changes)
     raw = bytearray(result(entry["result"]))
     for place, piece in entry.get("edits", ()):
         at = int(place * len(raw))

@@ -13,7 +13,7 @@ from hostile.warm import Warm
 CORPUS = sorted((Path(__file__).parent / "corpus").glob("*.json"))
 # it compiles a library of its own
 LONG = "sweep-of-an-unstable-gain"
-SEED = 3
+SEED = 22
 # of the 2,000 of a seed that `make hostile` tries
 DRAWN = range(40)
 

@@ -9,8 +9,8 @@ from pathlib import Path
 from hostile.case import Case
 from hostile.sandbox import DESK, TEMPORARY, Snapshot
 
-# what these are told to write is a file, not a folder
-_FILES = ("sweep", "import")
+# what these are told to write is a file, not a folder, by this option
+_FILES = {"sweep": "--out", "import": "--out", "live": "--save-state", "export page": "--out"}
 _USUAL = {"simulate": "results", "estimate": "estimates", "observability": "results", "curves": "results"}
 
 
@@ -26,15 +26,16 @@ def _results(case: Case, box: Path) -> list[str]:
     if case.python:
         return [_from(box, os.path.join(desk, name)) for name in case.writes]
     verb = case.words[0] if case.words else ""
-    out = _option(case.words, "--out")
+    file = _FILES.get(" ".join(case.words[:2]), _FILES.get(verb))
+    out = _option(case.words, file or "--out")
     if verb == "figures" and out is None:
         out = os.path.dirname(next((word for word in case.words[1:] if not word.startswith("-")), "")) or "."
     out = _USUAL.get(verb) if out is None else out
     if out is None or "\0" in out:
         return []
     # a folder may be a link: it is what the user has named
-    place = os.path.realpath(os.path.join(desk, out)) if verb not in _FILES else _beside_link(desk, out)
-    if verb not in _FILES:
+    place = os.path.realpath(os.path.join(desk, out)) if file is None else _beside_link(desk, out)
+    if file is None:
         return [_from(box, place)]
     written = os.path.join(os.path.dirname(place), f".hillobs-{os.geteuid()}")  # the list of what is ours there
     names = [place, f"{place}.parts", f"{os.path.splitext(place)[0]}-*", written]

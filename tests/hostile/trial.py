@@ -15,7 +15,7 @@ from hostile.case import Case
 from hostile.oracle import violations
 from hostile.process import Ending, run
 from hostile.results import result
-from hostile.sandbox import DESK, lay, remove, snapshot
+from hostile.sandbox import DESK, content, lay, remove, snapshot
 from hostile.touched import may_write, wrongly_touched
 
 # how long something took, and whether something had to be compiled, differs from time to time
@@ -37,11 +37,11 @@ def tried(case: Case, again: bool = False) -> Verdict:
     """The verdict on a case; `again`: it is run twice and must do the same."""
     start = time.monotonic()
     with _box() as box:
-        ending, wrong, content = _once(case, box)
+        ending, wrong, files = _once(case, box)
     if again and not wrong and not ending.came:
         with _box() as box:
-            other, _, other_content = _once(case, box)
-        wrong += list(_differences(ending, other, content, other_content))
+            other, _, other_files = _once(case, box)
+        wrong += list(_differences(ending, other, files, other_files))
     # the folders of this machine are no news
     wrong = [sentence.replace(str(box), "BOX") for sentence in wrong]
     return Verdict(tuple(wrong), ending.code, ending.out, ending.err, time.monotonic() - start)
@@ -61,7 +61,7 @@ def _once(case: Case, box: Path) -> tuple[Ending, list[str], dict[str, bytes]]:
     """How the case ended, what is wrong, and the new files."""
     lay(box, case.files, result)
     before, allowed = snapshot(box), may_write(case, box)
-    ending = run(case, box)
+    ending = run(case, box, content(case.input, result) if case.input else b"")
     after = snapshot(box)
     made = {os.path.normpath(os.path.join(DESK, name)) for name, entry in case.files.items() if "result" in entry}
     inside = {name for name in before if any(name == place for place in allowed)}

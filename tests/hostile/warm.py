@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import gc
 import json
 import os
@@ -9,7 +10,10 @@ import subprocess
 import sys
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from hostile.case import Case
 
 _TESTS = Path(__file__).parents[1]
 # no thread may run when a process is forked
@@ -70,8 +74,45 @@ def _serve() -> None:
     for line in sys.stdin:
         asked = json.loads(line)
         layers = asked["layers"] if "layers" in asked else draw(asked["seed"], asked["number"])
-        verdict = tried(merged(layers), asked.get("again", False))
+        case = merged(layers)
+        _prepare(case)
+        verdict = tried(case, asked.get("again", False))
         print(json.dumps({"layers": layers, "verdict": asdict(verdict)}), flush=True)
+
+
+def _prepare(case: Case) -> None:
+    """Compile what only some cases need: it takes too long for each fork, and for those who have no such case."""
+    verb = case.words[0] if case.words else ""
+    if verb == "simulate" and any("hinge" in text for text in (*case.words, *map(str, case.files.values()))):
+        _hinge_run()
+    elif verb in ("estimate", "live") and "--mechanism" in case.words:
+        _hinge_observers()
+    elif verb == "estimate" and "kalman" in case.words:
+        _kalman()
+
+
+@functools.cache
+def _hinge_run() -> None:
+    import hillobs
+    from hostile.results import SHORT
+
+    hillobs.simulate("hinge", changes=SHORT)
+
+
+@functools.cache
+def _hinge_observers() -> None:
+    import hillobs
+    from places import RECORDINGS
+
+    hillobs.follow(RECORDINGS / "hinge_pair.toml", "high_gain")
+
+
+@functools.cache
+def _kalman() -> None:
+    import hillobs
+    from places import RECORDINGS
+
+    hillobs.estimate(RECORDINGS / "dgf_smooth_noisy.csv.gz", RECORDINGS / "dgf_smooth.toml", "kalman")
 
 
 def _load() -> None:

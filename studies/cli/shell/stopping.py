@@ -44,7 +44,7 @@ class _Stoppable:
 
     def run(self, command: Callable[[], None]) -> None:
         try:
-            sys.unraisablehook = _silent_about_stopped
+            sys.unraisablehook = self._tell_unraisable
             for number in self._watched:
                 signal.signal(number, self._handle)
             command()
@@ -61,6 +61,11 @@ class _Stoppable:
             if self._number:
                 _say("; ".join(["stopped", *self._notes]))
                 sys.exit(_STATUS + self._number)
+
+    def _tell_unraisable(self, unraisable: sys.UnraisableHookArgs) -> None:
+        # after a signal it is Stopped itself, or the destructor of what was half made when it came
+        if not self._number:
+            sys.__unraisablehook__(unraisable)
 
     def _handle(self, number: int, frame: FrameType | None) -> None:
         if self._over:
@@ -80,11 +85,6 @@ def _is_handled(error: BaseException | None) -> bool:
     while error is not None and not isinstance(error, Stopped):
         error = error.__context__
     return error is not None
-
-
-def _silent_about_stopped(unraisable: sys.UnraisableHookArgs) -> None:
-    if not isinstance(unraisable.exc_value, Stopped):
-        sys.__unraisablehook__(unraisable)
 
 
 def _say(sentence: str) -> None:

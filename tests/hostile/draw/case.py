@@ -6,7 +6,21 @@ from collections.abc import Callable
 from random import Random
 
 from hostile.case import FRESH, Layer
-from hostile.draw import drawings, models, muscles, points, programs, recordings, scenarios, surroundings, sweeps
+from hostile.draw import (
+    drawings,
+    exports,
+    mechanisms,
+    models,
+    muscles,
+    points,
+    programs,
+    recordings,
+    samples,
+    scenarios,
+    states,
+    surroundings,
+    sweeps,
+)
 from hostile.draw.names import odd_out
 from hostile.draw.numbers import refused
 
@@ -138,6 +152,90 @@ def _estimate(random: Random) -> Drawn:
     return base, _some(random, [*odd, gain, muscles.curves, scenarios.observers, _out("out")])
 
 
+def _mechanism_estimate(random: Random) -> Drawn:
+    base: list[Layer] = [
+        {"words": ["estimate"]},
+        recordings.recording(random, mechanisms.RECORDING),
+        mechanisms.mechanism(random),
+        *_figures(random),
+        scenarios.named(random.sample(mechanisms.OBSERVERS, random.choice((1, 2)))),
+    ]
+    name = base[1]["words"][0]
+
+    def damaged(random: Random) -> Layer:
+        return recordings.damaged(random, name, mechanisms.RECORDING)
+
+    def other(random: Random) -> Layer:
+        return recordings.odd_recording(random, name)
+
+    odd = [damaged, damaged, damaged, other, mechanisms.refused_file, mechanisms.refused_file, mechanisms.doubt]
+    return base, _some(random, [*odd, mechanisms.gain, _out("out")])
+
+
+def _mechanism_run(random: Random) -> Drawn:
+    base: list[Layer] = [{"words": ["simulate"]}, scenarios.short_run(random), {"words": ["--no-figures"]}]
+    mistakes = _some(
+        random, [mechanisms.change, mechanisms.change, mechanisms.change, scenarios.odd_observers, _out("out")]
+    )
+    if random.random() < 0.7:
+        return [*base, mechanisms.scenario(random)], mistakes
+    return base, [*mistakes, mechanisms.document(random)]
+
+
+def _live(random: Random) -> Drawn:
+    kind = random.choice(("learning", "learning", "gains", "state", "mechanism"))
+    table = mechanisms.rows(truth=False) if kind == "mechanism" else recordings.table(random.random() < 0.3)
+    base: list[Layer] = [{"words": ["live"]}, samples.samples(random, table)]
+    base.append((mechanisms.mechanism if kind == "mechanism" else muscles.shipped)(random))
+
+    def damaged(random: Random) -> Layer:
+        return samples.damaged(random, table)
+
+    odd = [damaged, damaged, damaged, damaged, samples.option, samples.unheard, states.out, recordings.mapping]
+    match kind:
+        case "learning":
+            base += [{"words": ["--learning", "100ms"]}, scenarios.good_observers(random)]
+            odd += [muscles.changed, muscles.odd_file]
+        case "mechanism":
+            base += [{"words": ["--learning", "100ms"]}, scenarios.named([random.choice(mechanisms.OBSERVERS)])]
+            odd += [mechanisms.refused_file, mechanisms.refused_file]
+        case "gains":
+            base.append({**drawings.of("estimates"), "words": ["--gains", drawings.FILE]})
+            odd += [drawings.damage, drawings.odd_file, muscles.changed]
+        case "state":
+            base.append(states.state(random))
+            odd = [*[states.damaged] * 3, damaged, states.out]
+    base += [states.kept(random)] if random.random() < 0.4 else []
+    return base, _some(random, odd)
+
+
+def _export(random: Random) -> Drawn:
+    target = random.choice(("c", "c", "fmu"))
+    base: list[Layer] = [{"words": ["export", target]}]
+    match random.choice(("paper", "muscles", "mechanism")):
+        case "paper":
+            base += [exports.export(random), exports.of_scenario(random)]
+            odd = []
+        case "muscles":
+            base += [exports.export(random), muscles.shipped(random)]
+            odd = [muscles.changed, muscles.odd_file]
+        case _:
+            base += [exports.export(random, mechanisms.OBSERVERS), mechanisms.mechanism(random)]
+            odd = [mechanisms.changed] * 6
+    base += [exports.good_option(random, target)] if random.random() < 0.5 else []
+    odd += [exports.option, exports.option, exports.option, exports.out, exports.block, exports.block]
+    return base, _some(random, odd)
+
+
+def _export_whole(random: Random) -> Drawn:
+    base: list[Layer] = [exports.whole(random)]
+    base += [scenarios.slight_change(random)] if random.random() < 0.5 else []
+    mistakes = _some(random, [scenarios.change, scenarios.change, _out(base[0]["words"][-1])])
+    if random.random() < 0.8:
+        return [*base, scenarios.scenario(random)], mistakes
+    return base, [*mistakes, random.choice((scenarios.document, scenarios.odd_file))(random)]
+
+
 def _import(random: Random) -> Drawn:
     base: list[Layer] = [{"words": ["import"]}, models.model(random)]
     odd = [models.changed, models.changed, models.changed, models.option, models.option, models.odd_file, models.out]
@@ -199,7 +297,7 @@ def _show(random: Random) -> Drawn:
 
 
 def _program(random: Random) -> Drawn:
-    return [random.choices((programs.program, programs.reading), weights=[3, 1])[0](random)], []
+    return [random.choices((programs.program, programs.reading, programs.following), weights=[3, 1, 1])[0](random)], []
 
 
 _KINDS: dict[str, tuple[int, Callable[[Random], Drawn]]] = {
@@ -210,8 +308,16 @@ _KINDS: dict[str, tuple[int, Callable[[Random], Drawn]]] = {
     "drawings": (6, _drawings),
     "show": (3, _show),
     "rest": (4, _rest),
-    "programs": (10, _program),
+    "programs": (12, _program),
     "import": (6, _import),
+    "live": (12, _live),
+    "export": (7, _export),
+    "export whole": (3, _export_whole),
+    "mechanism estimate": (2, _mechanism_estimate),
+    "mechanism run": (2, _mechanism_run),
 }
 # without a mistake they end well
-_COMMANDS = ("simulate", "sweep", "estimate", "observability", "drawings", "import")
+_COMMANDS = (
+    *("simulate", "sweep", "estimate", "observability", "drawings", "import", "live", "export", "export whole"),
+    *("mechanism estimate", "mechanism run"),
+)

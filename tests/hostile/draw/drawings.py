@@ -16,6 +16,11 @@ def drawing(random: Random) -> Layer:
     return {"words": [FILE], "files": {FILE: {"result": random.choice(RESULTS)}}}
 
 
+def of(name: str) -> Layer:
+    """The whole result of this kind."""
+    return {"files": {FILE: {"result": name}}}
+
+
 def damage(random: Random) -> Layer:
     """A result that is damaged, in the place of the whole one."""
     entry: dict[str, object] = {"result": random.choice(RESULTS)}

@@ -70,6 +70,11 @@ def muscles(random: Random) -> Layer:
     return {"words": ["--muscles", FILE], "files": {FILE: {"text": _text(_PAIR, _MUSCLE)}}}
 
 
+def shipped(random: Random) -> Layer:
+    """The file of the shipped recording's two muscles."""
+    return {"words": ["--muscles", FILE], "files": {FILE: {"shipped": "dgf_smooth.toml"}}}
+
+
 def _text(pair: dict[str, str], muscle: dict[str, str], more: tuple[str, ...] = ()) -> str:
     lines = [f"{key} = {value}" for key, value in pair.items()]
     lines += ["[muscle]", *(f"{key} = {value}" for key, value in muscle.items())]

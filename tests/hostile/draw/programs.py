@@ -85,6 +85,22 @@ S = {"duration": 0.2, "score.start": 0.04}
 """
 
 
+_FOLLOWER = """G = {{"high_gain.eps_h": 0.2, "high_gain.eps_L": 0.05}}
+F = hillobs.follow('pair.toml', 'high_gain', period=0.005, gains=G)
+F.step(0.31, 380.0, 380.0)
+S = F.state()
+{rest}
+"""
+_STEP = """try:
+    result = {call}
+except hillobs.Error as error:
+    assert F.state() == S, "a sample that is refused has changed the follower"
+    raise
+F = hillobs.follow('pair.toml', 'high_gain', state=F.state())
+result = [result, F.step(0.31, 380.0, 380.0)]
+assert F.gains == G"""
+
+
 def program(random: Random) -> Layer:
     """A call of the façade with one argument that is odd, and what becomes of it where that is certain."""
     path = random.choice([path for path in all_paths().parameters if path not in RUN])
@@ -124,6 +140,46 @@ def program(random: Random) -> Layer:
     if random.random() < 0.5:
         return {"python": f"{_HEAD}result = {random.choice(refused)}\n", "code": 2}
     return {"python": f"{_HEAD}result = {random.choice(tried)}\n"}
+
+
+def following(random: Random) -> Layer:
+    """A follower and its samples, with one thing that is odd; whatever a sample is, a refused one changes nothing."""
+    no_number, number = random.choice(_NO_NUMBER), random.choice((*_NUMBER, near(random, 0.3)))
+    no_name, no_whole = random.choice(_NO_NAME), random.choice(_NO_WHOLE)
+    odd = random.choice((no_number, number, no_name))
+    no_state = random.choice((*(value for value in _NO_NUMBER if value != "None"), "S[:-1]", "bytearray(S)", "''"))
+    good = "pair.toml", "'high_gain'", "period=0.005", "gains=G"
+    pair, observer, period, gains = good[0], *good[1:]
+    calls = [
+        f"hillobs.follow({no_name}, {observer}, {period}, {gains})",
+        f"hillobs.follow('{pair}', {random.choice((*_NO_NUMBER, no_name))}, {period}, {gains})",
+        f"hillobs.follow('{pair}', {observer}, period={no_number}, {gains})",
+        f"hillobs.follow('{pair}', {observer}, {period}, gains={{'high_gain.eps_h': {no_number}}})",
+        f"hillobs.follow('{pair}', {observer}, {period}, gains={{{no_name}: 0.1}})",
+        f"hillobs.follow('{pair}', {observer}, {period}, gains={random.choice(_NO_WHOLE)})",
+        f"hillobs.follow('{pair}', {observer}, {period}, {gains}, corrected={no_whole})",
+        f"hillobs.follow('{pair}', {observer}, {period}, {gains}, learning={no_number})",
+        f"hillobs.follow('{pair}', {observer}, state={no_state})",
+        f"hillobs.follow('{pair}', 'sliding_mode', state=S)",
+        f"hillobs.follow('{pair}', {observer}, state=S, {period})",
+    ]
+    steps = [
+        f"F.step({odd}, 380.0, 380.0)",
+        f"F.step(0.31, 380.0, {odd})",
+        f"F.step(0.31, 380.0, 380.0, time={odd})",
+        f"F.step({odd})",
+        "F.step()",
+        f"F.step(0.31, 380.0, 380.0, {odd})",
+        f"F.step([0.31], {odd})",
+        f"F.step(position=0.31, force_1={odd}, force_2=380.0)",
+        f"F.step(0.31, 380.0, force_2={odd})",
+        f"F.step(**{{{no_name if no_name.startswith(chr(39)) else repr('x')}: {odd}}})",
+    ]
+    files = muscles.shipped(random)["files"]
+    if random.random() < 0.5:
+        text = _FOLLOWER.format(rest=f"result = {random.choice(calls)}")
+        return {"python": f"{_HEAD}{text}", "files": files, "code": 2}
+    return {"python": f"{_HEAD}{_FOLLOWER.format(rest=_STEP.format(call=random.choice(steps)))}", "files": files}
 
 
 def reading(random: Random) -> Layer:

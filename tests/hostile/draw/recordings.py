@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import gzip
+from pathlib import Path
 from random import Random
 
 from hostile.case import Layer
@@ -13,6 +14,7 @@ from places import CORPUS, RECORDINGS
 
 # samples of a recording that is drawn: half a second
 _ROWS = 101
+OF_A_PAIR = RECORDINGS / "dgf_smooth_noisy.csv.gz"
 _CELLS = (
     "",
     "nan",
@@ -76,14 +78,19 @@ _MAPPINGS = (
 )
 
 
+# names of columns, then the cells of each row
+Table = list[list[str]]
+
+
 @functools.cache
-def _shipped() -> tuple[str, ...]:
-    raw = gzip.decompress((RECORDINGS / "dgf_smooth_noisy.csv.gz").read_bytes())
+def _shipped(path: Path) -> tuple[str, ...]:
+    raw = gzip.decompress(path.read_bytes())
     return tuple(raw.decode().splitlines()[: _ROWS + 1])
 
 
-def _table(truth: bool) -> list[list[str]]:
-    rows = [line.split(",") for line in _shipped()]
+def table(truth: bool, path: Path = OF_A_PAIR) -> Table:
+    """The first rows of a recording that is there, with or without the truth."""
+    rows = [line.split(",") for line in _shipped(path)]
     kept = range(len(rows[0])) if truth else range(4)
     return [
         [row[i].removesuffix("_measured") if n == 0 and not truth else row[i] for i in kept]
@@ -91,28 +98,34 @@ def _table(truth: bool) -> list[list[str]]:
     ]
 
 
-def _csv(table: list[list[str]], delimiter: str = ",", newline: str = "\n") -> str:
+def csv_text(table: Table, delimiter: str = ",", newline: str = "\n") -> str:
+    """The table as CSV."""
     return "".join(delimiter.join(row) + newline for row in table)
 
 
-def recording(random: Random) -> Layer:
+def recording(random: Random, path: Path = OF_A_PAIR) -> Layer:
     """A good recording: CSV, .sto or .mot, plain or gzipped, with or without the truth."""
-    table = _table(random.random() < 0.5)
     name = random.choice(("r.csv", "r.csv", "r.csv.gz", "r.sto", "r.mot"))
-    return {"words": [name], "files": {name: _entry(name, table)}}
+    return {"words": [name], "files": {name: _entry(name, table(random.random() < 0.5, path))}}
 
 
-def _entry(name: str, table: list[list[str]], delimiter: str = ",", newline: str = "\n") -> dict[str, str]:
-    text = _csv(table, delimiter, newline)
+def _entry(name: str, table: Table, delimiter: str = ",", newline: str = "\n") -> dict[str, str]:
+    text = csv_text(table, delimiter, newline)
     if name.endswith((".sto", ".mot")):
         text = f"r\nversion=1\nnRows={len(table) - 1}\nnColumns={len(table[0])}\ninDegrees=no\nendheader\n"
-        text += _csv(table, "\t", newline)
+        text += csv_text(table, "\t", newline)
     return {"gzip" if name.endswith(".gz") else "text": text}
 
 
-def damaged(random: Random, name: str) -> Layer:
+def damaged(random: Random, name: str, path: Path = OF_A_PAIR) -> Layer:
     """The recording `name` with something wrong in it."""
-    table = [list(row) for row in _table(random.random() < 0.5)]
+    whole = table(random.random() < 0.5, path)
+    return {"files": {name: _entry(name, *damage(random, whole))}}
+
+
+def damage(random: Random, whole: Table) -> tuple[Table, str, str]:
+    """A table with something wrong in it, what is between its cells, and what between its rows."""
+    table = [list(row) for row in whole]
     row, column = random.randrange(1, len(table)), random.randrange(len(table[0]))
     delimiter, newline = ",", "\n"
     match random.randrange(16):
@@ -149,7 +162,7 @@ def damaged(random: Random, name: str) -> Layer:
                 each[1] = repr(float(each[1]) + random.choice((0.0, 0.05)) * (i > row) + 1e-3 * i)
         case _:
             random.shuffle(table)
-    return {"files": {name: _entry(name, table, delimiter, newline)}}
+    return table, delimiter, newline
 
 
 def odd_recording(random: Random, name: str) -> Layer:

@@ -140,13 +140,19 @@ def odd_file(random: Random) -> Layer:
 
 def observers(random: Random) -> Layer:
     """One observer that may not be named here, or not twice, or that there is none of."""
-    return _named(random.choice([["kalman"], [""], ["high_gain", "high_gain"], ["baseline"], ["\x1b[31m"], ["truth"]]))
+    return named(random.choice([["kalman"], [""], ["high_gain", "high_gain"], ["baseline"], ["\x1b[31m"], ["truth"]]))
+
+
+def odd_observers(random: Random) -> Layer:
+    """One that there is none of, whatever is simulated."""
+    return named([random.choice(("", "baseline", "truth", "\x1b[31m", "own.py:block", ":"))])
 
 
 def good_observers(random: Random) -> Layer:
     """Some observers."""
-    return _named(random.sample(OBSERVERS, random.choice([1, 2, 4])))
+    return named(random.sample(OBSERVERS, random.choice([1, 2, 4])))
 
 
-def _named(names: list[str]) -> Layer:
+def named(names: list[str]) -> Layer:
+    """These observers."""
     return {"words": [word for name in names for word in ("--observer", name)]}

@@ -17,7 +17,7 @@ _ENVIRONMENT: dict[str, tuple[str | None, ...]] = {
     "HOME": (None, "", "/nowhere", "relative"),
     "CXX": ("nonsense", "sh -c", "false", "true", "cat", "'", "/dev/null", "BOX/desk"),
     "HILLOBS_CACHE": ("relative", "/dev/null", "/proc/x", "BOX/other/letter.txt", "BOX/desk/x\x1b[31m", "BOX/cache"),
-    "HILLOBS_COMPILE_TIMEOUT": ("0", "-1", "nan", "1e3", "x", "0.001", "\x1b"),
+    "HILLOBS_COMPILE_TIMEOUT": ("0", "-1", "nan", "1e3", "x", "0.000001", "\x1b"),
     "COLUMNS": ("0", "1", "-5", "20", "x", "100000"),
     "LINES": ("0",),
     "NO_COLOR": ("1",),

@@ -98,6 +98,7 @@ def forged(state: bytes, **changes: Any) -> bytes:
         (lambda state: forged(state, period=-1.0), "the period must be at least 1e-06 s, not -1 s"),
         (lambda state: forged(state, T=-1.0), "the period must be at least 1e-06 s, not -0.1 s"),
         (lambda state: forged(state, T=1e-300), "the period must be at least 1e-06 s, not 1e-301 s"),
+        (lambda state: forged(state, T=5e-324), "the period must be at least 1e-06 s, not 0 s"),
         (lambda state: forged(state, T=0.0), "the period must be above 0 s, not 0 s"),
         (lambda state: forged(state, T=1e9), "is too few for muscles of v_max = 10/s"),
         (lambda state: forged(state, seconds=1e9), "learning must be above 0 and at most 600 s, not 1e+09 s"),
