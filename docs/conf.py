@@ -14,7 +14,7 @@ copyright = "the hillobs contributors, MIT licence"
 version = release = hillobs.__version__
 
 extensions = [
-    "myst_parser",  # pages are Markdown
+    "myst_nb",  # pages are Markdown, tutorials are run
     "sphinx.ext.autodoc",  # the reference, from docstrings
     "sphinx_click",  # the command line, from click
     "sphinx_design",  # cards of the front page
@@ -22,13 +22,18 @@ extensions = [
     "docstrings",  # ours are plain text with code in backticks
     "sources",  # links to the code
 ]
-source_suffix = {".md": "markdown"}
 exclude_patterns = ["_build", "_page"]
 # the page that runs is part of the site as it is
 html_extra_path = ["_page"]
 
 myst_heading_anchors = 4
 myst_enable_extensions = ["colon_fence"]
+
+nb_execution_mode = "cache"
+nb_execution_cache_path = str(HERE / "_build" / "executed")
+nb_execution_raise_on_error = True
+nb_execution_show_tb = True
+nb_execution_timeout = 300  # seconds a cell
 
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"

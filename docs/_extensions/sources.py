@@ -18,9 +18,11 @@ def setup(app: Sphinx) -> dict[str, bool]:
 
 def _rewrite(app: Sphinx, page: str, source: list[str]) -> None:
     def link(match: re.Match[str]) -> str:
-        target = Path(app.srcdir, match[2])
+        target = Path(app.env.doc2path(page)).parent.joinpath(match[2]).resolve()
         if not target.exists():
             raise FileNotFoundError(f"{page} links to {match[2]}, which is not there")
+        if target.is_relative_to(app.srcdir):
+            return match[0]
         return match[0] if target.is_file() and target.suffix != ".md" else f"`{match[1].strip('`')}`"
 
     source[0] = _OUTSIDE.sub(link, source[0])
