@@ -5,6 +5,7 @@ Imported before all else, so it imports next to nothing: CasADi and xarray take 
 
 from __future__ import annotations
 
+import atexit
 import contextlib
 import os
 import signal
@@ -43,6 +44,8 @@ class _Stoppable:
         self._over = False
 
     def run(self, command: Callable[[], None]) -> None:
+        # the first to be registered runs last
+        atexit.register(self._leave)
         try:
             sys.unraisablehook = self._tell_unraisable
             for number in self._watched:
@@ -61,6 +64,15 @@ class _Stoppable:
             if self._number:
                 _say("; ".join(["stopped", *self._notes]))
                 sys.exit(_STATUS + self._number)
+
+    def _leave(self) -> None:
+        # a library that the signal has left half imported may abort what Python still does
+        if self._number:
+            for stream in (sys.stdout, sys.stderr):
+                with contextlib.suppress(OSError, ValueError):
+                    if stream:
+                        stream.flush()
+            os._exit(_STATUS + self._number)
 
     def _tell_unraisable(self, unraisable: sys.UnraisableHookArgs) -> None:
         # after a signal it is Stopped itself, or the destructor of what was half made when it came

@@ -128,6 +128,13 @@ def test_a_signal_after_the_end_changes_nothing() -> None:
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
 
 
+def test_nothing_that_was_left_half_done_can_abort_the_end() -> None:
+    """What is destroyed at Python's own end is not, once it was stopped; what was to be done at the end is."""
+    aborts = "class Half:\n    def __del__(self): os.abort()\nhalf = Half()"
+    done = run("print('begun'); atexit.register(print, 'done'); stop()", before=aborts)
+    assert (done.returncode, done.stdout, done.stderr) == (130, "begun\ndone\n", "hillobs: stopped\n")
+
+
 @pytest.mark.parametrize("name", SIGNALS)
 def test_what_nohup_or_a_shell_has_made_deaf_stays_so(name: str) -> None:
     done = run(
