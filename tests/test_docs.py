@@ -26,6 +26,7 @@ PAGES = [README, *sorted(DOCS.glob("*.md"))]
 # pages in other folders, for their links and commands
 OTHERS = [
     ROOT / "CHANGELOG.md",
+    ROOT / "CONTRIBUTING.md",
     ROOT / "SECURITY.md",
     ROOT / "build" / "README.md",
     ROOT / "codegen" / "kernel" / "README.md",
