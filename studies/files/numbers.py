@@ -79,14 +79,20 @@ def seed(what: str, value: object) -> int:
 
 
 def samples(what: str, values: object, most: int) -> Array:
-    """(n) an array of numbers, NaN where there is none. ScenarioError for all else, and for n above `most`."""
+    """(n) an array of numbers, NaN where there is none or a mask hides it.
+
+    ScenarioError for all else, and for n above `most`.
+    """
     if not isinstance(values, np.ndarray) or values.ndim != 1 or values.dtype.kind not in "iuf":
         raise ScenarioError(f"{what} must be an array of numbers in one dimension, not {shown(values)}")
     if values.size > most:
         raise ScenarioError(f"{what} has {values.size:,} values, more than {most:,}")
-    if np.isinf(values).any():
+    plain: Array = values.astype(float, copy=False)
+    if isinstance(plain, np.ma.MaskedArray):
+        plain = plain.filled(np.nan)
+    if np.isinf(plain).any():
         raise ScenarioError(f"{what} must be finite numbers, or NaN where there is none")
-    return values.astype(float, copy=False)
+    return plain
 
 
 def switch(what: str, value: object) -> bool:
@@ -114,7 +120,8 @@ def _column(
     is_array = getattr(values, "ndim", 0) == 1 and getattr(getattr(values, "dtype", None), "kind", "O") != "O"
     if not (is_array or isinstance(values, Sequence)) or isinstance(values, str | bytes):
         raise ScenarioError(f"{what} must be a list of numbers, not {shown(values)}")
-    column = np.asarray(values) if is_array else cast(Sequence[object], values)
+    # a mask stays: what it hides is no number
+    column = np.asanyarray(values) if is_array else cast(Sequence[object], values)
     if not 1 <= len(column) <= most:
         raise ScenarioError(f"{what}: there must be 1 to {most:,} values, not {len(column):,}")
     return np.fromiter((checked(what, value) for value in column), dtype, len(column))

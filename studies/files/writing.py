@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import os
+import re
 import secrets
 import stat
 import tempfile
@@ -18,6 +19,8 @@ from .written import is_ours, remember
 
 # bytes of a name that its temporary name repeats; a name has at most 255
 _REPEATED = 40
+# bytes of chance that make a temporary name of ours unlike any that a user would think of
+_CHANCE = 8
 
 
 def write_whole(path: Path, content: bytes) -> None:
@@ -44,7 +47,7 @@ def write_pieces(path: Path, pieces: Iterable[bytes]) -> None:
 @contextlib.contextmanager
 def temporary_file(folder: int, name: str, pieces: Iterable[bytes], rights: int = 0o666) -> Iterator[tuple[str, str]]:
     """The temporary name and the SHA-256 of a new file in a folder, which is there until it is given its `name`."""
-    temporary = f"{temporary_prefix(name)}{secrets.token_hex(8)}"
+    temporary = f"{temporary_prefix(name)}{secrets.token_hex(_CHANCE)}"
     flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW | os.O_CLOEXEC
     handle = os.open(temporary, flags, rights, dir_fd=folder)
     try:
@@ -65,6 +68,11 @@ def temporary_file(folder: int, name: str, pieces: Iterable[bytes], rights: int 
 def temporary_prefix(name: str) -> str:
     """What the temporary names of a file begin with."""
     return f".{name[:_REPEATED]}-"
+
+
+def temporary_pattern(*prefixes: str) -> re.Pattern[str]:
+    """What temporary names match, and no others; prefixes: patterns of what they begin with."""
+    return re.compile(rf"(?:{'|'.join(prefixes)})[0-9a-f]{{{2 * _CHANCE}}}", re.ASCII)
 
 
 def refuse_overwriting(paths: Iterable[Path]) -> None:

@@ -18,7 +18,7 @@ from ...codegen.system.trust import DistrustError, open_folder, read_trusted
 from ..files.datasets.netcdf import sealed, unsealed
 from ..files.errors import ResultError
 from ..files.reading import cause
-from ..files.writing import opened, temporary_file, temporary_prefix
+from ..files.writing import opened, temporary_file, temporary_pattern, temporary_prefix
 from .row import Rows
 
 # bytes; a part is some thousand numbers
@@ -48,8 +48,8 @@ class Parts:
         """Parts of rows with the layout `row`, of the sweep that `identity` names and `description` tells by words."""
         self.folder = result.with_name(f"{result.name}.parts")
         self._result, self._identity, self._description, self._row = result, identity, description, row
-        begins = "|".join(re.escape(temporary_prefix(name)) for name in (_PLAN, result.name))
-        self._temporary = re.compile(rf"(?:{begins}|\.{_PART.pattern}-)\w+", re.ASCII)
+        begins = [re.escape(temporary_prefix(name)) for name in (_PLAN, result.name)]
+        self._temporary = temporary_pattern(*begins, rf"\.{_PART.pattern}-")
         self.damaged = 0  # files that were no part and are computed again
 
     def __enter__(self) -> Parts:

@@ -11,6 +11,7 @@ import pytest
 
 import hillobs
 from hillobs import Error, Muscle, MusclePair, Range, Recording
+from hillobs.studies.files.numbers import numbers, samples
 from places import RECORDINGS
 
 MANY = np.broadcast_to(0.0, 10**12)
@@ -75,6 +76,17 @@ def test_what_is_no_number_is_refused_in_a_sentence(place: str) -> None:
             PLACES[place](bad)
         assert str(refused.value).isprintable(), what
         assert len(str(refused.value)) < 600, what
+
+
+def test_what_a_mask_hides_is_no_value_of_an_axis_and_no_sample() -> None:
+    """The numbers under a mask are what its owner does not want counted."""
+    hidden = np.ma.array([1.0, 2.0], mask=[False, True])
+    with pytest.raises(Error, match=r"plant\.m must be a number, not --"):
+        hillobs.sweep(over={"plant.m": hidden})
+    shown = np.ma.array([1, 2], mask=False)
+    assert numbers("x", shown, 2).tolist() == [1, 2]
+    np.testing.assert_array_equal(samples("x", hidden, 2), [1, np.nan])
+    assert type(samples("x", shown, 2)) is np.ndarray
 
 
 @pytest.mark.parametrize("one", [1, 1.0, np.float64(1), np.float32(1), np.int8(1), np.uint64(1)])

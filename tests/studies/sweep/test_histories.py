@@ -82,7 +82,7 @@ class Machine(RuleBasedStateMachine):
                 self.damaged.discard(part)
 
     @precondition(lambda self: self.here.parts.exists())
-    @rule(name=st.sampled_from([".00000001.part-torn", ".x.nc-torn", ".plan.json-torn"]))
+    @rule(name=st.sampled_from([f"{begin}-{16 * '7'}" for begin in (".00000001.part", ".x.nc", ".plan.json")]))
     def leave(self, name: str) -> None:
         (self.here.parts / name).write_bytes(b"half")
 

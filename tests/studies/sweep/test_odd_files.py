@@ -22,6 +22,9 @@ ODD_NAMES = [
     "x.part",
     "notes.txt",
     ".git",
+    ".x.nc-history",
+    ".x.nc-0123456789abcde",
+    ".plan.json-draft",
 ]
 
 
@@ -53,6 +56,18 @@ def test_a_folder_without_our_seal_is_left_alone(tmp_path: Path, name: str) -> N
     (here.parts / name).write_text('{"plan": "mine"}')
     before = snapshot(tmp_path)
     with pytest.raises(ResultError, match="holds nothing that bears the seal of hillobs; move it away"):
+        here.run()
+    assert (here.computed, snapshot(tmp_path)) == ([], before)
+
+
+@pytest.mark.parametrize("name", [".x.nc-history", ".plan.json-draft", ".00000001.part-mine"])
+def test_a_file_alone_that_almost_has_a_name_of_ours_is_left_alone(tmp_path: Path, name: str) -> None:
+    """No plan, no part, no lock, as after a start that was killed at once: the name is all there is to judge by."""
+    here = Sweep(tmp_path)
+    here.parts.mkdir()
+    (here.parts / name).write_text("mine")
+    before = snapshot(tmp_path)
+    with pytest.raises(ResultError, match=f"it holds {name}, which hillobs has not written there"):
         here.run()
     assert (here.computed, snapshot(tmp_path)) == ([], before)
 

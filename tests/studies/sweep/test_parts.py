@@ -12,6 +12,9 @@ from hillobs.studies.files.errors import ResultError
 from hillobs.studies.sweep.parts import Parts
 from unfinished_sweeps import ROW, EndedError, Sweep
 
+# what makes a temporary name unlike others
+CHANCE = "0123456789abcdef"
+
 
 def test_whole_parts_are_not_computed_again(unfinished: Sweep, untouched: bytes) -> None:
     with warnings.catch_warnings():
@@ -26,7 +29,7 @@ def test_whole_parts_are_not_computed_again(unfinished: Sweep, untouched: bytes)
 
 def test_what_a_killed_process_left_is_removed(unfinished: Sweep, untouched: bytes) -> None:
     """Half a file of a part, half a result, and the parts of a result that is there."""
-    for name in (".00000003.part-abcd", ".x.nc-abcd"):
+    for name in (f".00000003.part-{CHANCE}", f".x.nc-{CHANCE}"):
         (unfinished.parts / name).write_bytes(b"half")
     with pytest.raises(EndedError):
         unfinished.run(1)
