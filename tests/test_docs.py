@@ -22,9 +22,11 @@ from hillobs.studies.scenarios.prepare import prepare
 from places import DOCS, FENCED, RECORDINGS, ROOT, anchors
 
 README = ROOT / "README.md"
+TUTORIALS = sorted((DOCS / "tutorials").glob("*.md"))
 PAGES = [README, *sorted(DOCS.glob("*.md"))]
 # pages in other folders, for their links and commands
 OTHERS = [
+    *TUTORIALS,
     ROOT / "CHANGELOG.md",
     ROOT / "CONTRIBUTING.md",
     ROOT / "SECURITY.md",
@@ -183,11 +185,11 @@ def test_an_installed_copy_has_all_pages_and_their_pictures() -> None:
     assert settings["package-dir"]["hillobs.docs"] == DOCS.name
     assert "hillobs.docs" in settings["packages"]
     patterns = settings["package-data"]["hillobs.docs"]
-    pages = sorted(DOCS.glob("*.md"))
+    pages = [*sorted(DOCS.glob("*.md")), *TUTORIALS]
     pictures = {(page.parent / link).name for page in pages for link in links(page) if link.endswith(".png")}
     missing = [
         name
-        for name in (*(page.name for page in pages), *pictures)
+        for name in (*(str(page.relative_to(DOCS)) for page in pages), *pictures)
         if not any(fnmatch(name, pattern) for pattern in patterns)
     ]
     assert missing == []

@@ -1,10 +1,11 @@
-"""`hillobs show`, `list`, `info`, `clean`: what there is."""
+"""`hillobs show`, `list`, `docs`, `info`, `clean`: what there is."""
 
 from __future__ import annotations
 
 import click
 
 from ...codegen.cache import clean_cache
+from ..files.pages import documentation, page
 from ..scenarios.show import show as as_toml
 from .reports.listing import information, listing, sources
 from .reports.number import counted
@@ -24,6 +25,13 @@ def show(scenario: str) -> None:
 def list_(what: str) -> None:
     """List scenarios, observers, curve sets, or parameters with default, unit and meaning."""
     say(*listing(what))
+
+
+@click.command()
+@click.argument("name", metavar="[PAGE]", required=False)
+def docs(name: str | None) -> None:
+    """Say where the pages of documentation are, or one of them, such as `observers`."""
+    say(str(page(name) if name else documentation()))
 
 
 @click.command()
