@@ -62,7 +62,7 @@ $(VENV)/.docs: $(VENV)/.installed
 
 # a warning is an error
 docs: $(VENV)/.docs page ## the site of all pages, with the reference: docs/_build/html/index.html
-	$(BIN)/python -m sphinx --quiet --fail-on-warning --keep-going --builder html docs docs/_build/html
+	$(BIN)/python -m sphinx --quiet --fail-on-warning --keep-going --conf-dir docs/_site --builder html docs docs/_build/html
 	@echo "docs/_build/html/index.html"
 
 page: $(VENV)/.installed ## the paper's noisy simulation as a page for a browser: docs/_page/paper-noisy.html

@@ -22,15 +22,15 @@ extensions = [
     "docstrings",  # ours are plain text with code in backticks
     "sources",  # links to the code
 ]
-exclude_patterns = ["_build", "_page"]
+exclude_patterns = ["_build", "_page", "_site"]
 # the page that runs is part of the site as it is
-html_extra_path = ["_page"]
+html_extra_path = ["../_page"]
 
 myst_heading_anchors = 4
 myst_enable_extensions = ["colon_fence"]
 
 nb_execution_mode = "cache"
-nb_execution_cache_path = str(HERE / "_build" / "executed")
+nb_execution_cache_path = str(HERE.parent / "_build" / "executed")
 nb_execution_raise_on_error = True
 nb_execution_show_tb = True
 nb_execution_timeout = 300  # seconds a cell
