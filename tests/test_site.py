@@ -48,7 +48,8 @@ def test_every_page_opens_without_a_word_and_fits_a_phone(site: Path) -> None:
     with sync_api.sync_playwright() as driver:
         browser = driver.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox", "--disable-gpu"])
         opened = 0
-        for file in sorted(site.rglob("*.html")):
+        # the theme has templates of its own among what it brings
+        for file in sorted(file for file in site.rglob("*.html") if "_static" not in file.parts):
             complaints: list[str] = []
             page = browser.new_page(viewport=PHONE)
             page.on("console", lambda message, said=complaints: message.type == "error" and said.append(message.text))
