@@ -1,5 +1,6 @@
 """The site of all pages: it is made without a warning, its tutorials run, and every page of it opens whole."""
 
+import re
 import shutil
 import subprocess
 import sys
@@ -7,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from hillobs.studies.scenarios.loops import all_paths
 from places import DOCS, ROOT
 
 pytest.importorskip("sphinx", reason="the extra `docs` is not installed")
@@ -64,6 +66,14 @@ def test_every_page_opens_without_a_word_and_fits_a_phone(site: Path) -> None:
             opened += 1
         browser.close()
     assert opened > len(list(DOCS.glob("*.md")))
+
+
+def test_the_tables_name_all_numbers_and_all_variables(site: Path) -> None:
+    numbers, results = ((site / f"{name}.html").read_text(encoding="utf-8") for name in ("parameters", "datasets"))
+    named = re.findall(r"<td>.*?<span class=\"pre\">(.*?)</span>", numbers)
+    assert {path for path, about in all_paths().parameters.items() if about.shared in ("", path)} <= set(named)
+    for variable in ("x_hat", "failed_at", "activation_sd"):
+        assert re.search(rf"<td>.*?<span class=\"pre\">{variable}</span>", results)
 
 
 def test_a_broken_block_fails_the_build(tmp_path: Path) -> None:

@@ -34,6 +34,7 @@ nb_execution_cache_path = str(HERE.parent / "_build" / "executed")
 nb_execution_raise_on_error = True
 nb_execution_show_tb = True
 nb_execution_timeout = 300  # seconds a cell
+nb_render_markdown_format = "gfm"  # tables too
 
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
