@@ -11,6 +11,8 @@ import pytest
 
 from hillobs.model.curves import CURVES
 from hillobs.studies.scenarios.loops import all_paths
+from labels import PAGES as WHERE_EQUATIONS_STAND
+from labels import linked, places
 from places import DATA, DOCS, ROOT, anchors
 
 FOLDERS = ("model", "observers", "codegen", "studies", "hillobs", "benchmarks", "tests", "docs", "build")
@@ -68,6 +70,21 @@ def test_every_label_is_one_of_the_paper() -> None:
     assert {entry for entry in named if entry[1] not in LABELS} == set()
     # the plant and all three observers are among them
     assert {"load1", "lsdot2", "HO3b", "SO3b", "AO3b", "draj"} <= {label for _, label in named}
+
+
+def test_every_label_of_the_sources_leads_to_its_equation() -> None:
+    sources = [path for folder in EQUATIONS[:3] for path in sorted((ROOT / folder).rglob("*.py"))]
+    named = {label for path in sources for group in LABEL.findall(words(path)) for label in group.split(", ")} & LABELS
+    home = places({name: (DOCS / f"{name}.md").read_text(encoding="utf-8") for name in WHERE_EQUATIONS_STAND}, LABELS)
+    assert named - set(home) == set()
+    # those of the system and of the observers where these are, not where their errata are
+    assert {home[label][0] for label in ("x2d", "kappa", "HO1a", "HO2b", "rhoa0", "SO3b")} == {"model", "observers"}
+    text = linked("[HO1a]–[HO3b] and `[HO1a]`, [x2d], [low, high]", "gains", home)
+    assert text == (
+        '[<a class="equation" href="observers.html#eq-HO1a">HO1a</a>]–[<a class="equation" '
+        'href="observers.html#eq-HO3b">HO3b</a>] and `[HO1a]`, [<a class="equation" '
+        'href="model.html#eq-x2d">x2d</a>], [low, high]'
+    )
 
 
 def test_every_page_that_is_named_has_that_heading() -> None:

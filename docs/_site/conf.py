@@ -21,6 +21,7 @@ extensions = [
     "sphinx_copybutton",
     "docstrings",  # ours are plain text with code in backticks
     "sources",  # links to the code
+    "labels",  # links to the equations
 ]
 exclude_patterns = ["_build", "_page", "_site"]
 # the page that runs is part of the site as it is
