@@ -45,8 +45,8 @@ def substeps(
     n = T * fastest / (observer.limit if limit is None else limit)
     if not n <= MOST_STEPS:
         raise ScenarioError(
-            f"the gains of {block.name} are too fast for samples {T:.3g} apart: they ask for {n:.3g} steps in between, "
-            f"{MOST_STEPS} at most"
+            f"the gains of {block.name} are too fast for samples τ = {T:.3g} apart: they ask for {n:.3g} steps in "
+            f"between, {MOST_STEPS} at most"
         )
     return max(1, math.ceil(n - _ROUNDING))
 

@@ -55,7 +55,7 @@ def test_numbers_of_both_passes_of_the_kalman_filter_stay_as_they_are_given(shor
         ({"high_gain.eps_h": float("inf")}, "high_gain.eps_h must be a finite number, not inf"),
         (
             {"high_gain.eps_h": 1e-20},
-            "the gains of high_gain are too fast for samples 0.05 apart: they ask for 6.67e+",
+            "the gains of high_gain are too fast for samples τ = 0.05 apart: they ask for 6.67e+",
         ),
         ({"sliding_mode.delta_L": 0.0}, "sliding_mode.delta_L = 0 has no fastest rate"),
     ],

@@ -39,7 +39,7 @@ def test_a_users_own_observer_has_its_defaults_and_steps_of_its_eigenvalues(shor
     fast = estimate(short, MUSCLES, mine, changes={"mine.rate": 200.0})
     assert json.loads(fast.attrs["substeps"]) == {"mine": 5}
     with pytest.raises(
-        ScenarioError, match=r"the gains of mine are too fast for samples 0.05 apart: they ask for 1e\+"
+        ScenarioError, match=r"the gains of mine are too fast for samples τ = 0.05 apart: they ask for 1e\+"
     ):
         estimate(short, MUSCLES, mine, changes={"mine.rate": 5e7})
 

@@ -56,8 +56,8 @@ def test_gains_by_hand_are_what_counts() -> None:
             {"l0": 0.0, "delta_1": 0.0},
             "l0 and adaptive_sliding_mode.delta_1 = 0 has no fastest",
         ),
-        ("sliding_mode", {"tau_s": 1e-9}, "too fast for samples 0.01 apart"),
-        ("high_gain", {"eps_h": 5e-324}, "too fast for samples 0.01 apart: they ask for inf steps"),
+        ("sliding_mode", {"tau_s": 1e-9}, "too fast for samples τ = 0.01 apart"),
+        ("high_gain", {"eps_h": 5e-324}, "too fast for samples τ = 0.01 apart: they ask for inf steps"),
     ],
 )
 def test_gains_that_no_steps_can_follow_are_refused(observer: str, given: dict[str, float], words: str) -> None:

@@ -168,7 +168,7 @@ def test_an_observer_that_fails_says_when_and_has_no_estimates_from_then_on(shor
         ({"gains": np.array([1.0, 2.0])}, "gains must be a dict, not [1. 2.]"),
         (
             {"gains": {"high_gain.eps_h": 1e-5, "high_gain.eps_L": 0.1}, "period": 0.005},
-            "the gains of high_gain are too fast for samples 0.05 apart",
+            "the gains of high_gain are too fast for samples τ = 0.05 apart",
         ),
         ({"corrected": "yes"}, "corrected must be true or false, not 'yes'"),
     ],
