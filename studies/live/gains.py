@@ -14,7 +14,8 @@ def gains_of_estimates(dataset: xr.Dataset, observer: str) -> dict[str, float]:
         "gains", str(dataset.attrs.get("gains")), dict[str, dict[str, float]]
     )
     if observer not in of_each:
-        raise ScenarioError(f"the estimates are those of {', '.join(of_each)}, and have no gains of {observer}")
+        those = ", ".join(of_each) or "no observer"
+        raise ScenarioError(f"the estimates are those of {those}, and have no gains of {observer}")
     return of_each[observer]
 
 

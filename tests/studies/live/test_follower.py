@@ -212,3 +212,5 @@ def test_estimates_of_other_observers_have_no_gains_for_this_one(short: Recordin
     estimates = hillobs.estimate(short, MUSCLES, "high_gain")
     with pytest.raises(hillobs.ScenarioError, match="those of high_gain, and have no gains of sliding_mode"):
         hillobs.follow(MUSCLES, "sliding_mode", gains=estimates)
+    with pytest.raises(hillobs.ScenarioError, match="those of no observer, and have no gains of high_gain"):
+        hillobs.follow(MUSCLES, "high_gain", gains=estimates.assign_attrs(gains="{}"))
