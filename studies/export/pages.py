@@ -9,10 +9,12 @@ from pathlib import Path
 
 import casadi as ca
 
+from ...codegen.stepper import STAGES
 from ...codegen.targets.page import page
 from ...codegen.targets.study import Number, Shown, Study
 from ...model.block import Parameter, Symbols
 from ...model.symbols import kind_of, signal_of
+from ..files.errors import ScenarioError
 from ..files.versions import __version__
 from ..files.writing import refuse_overwriting, writable_folder, write_whole
 from ..scenarios.layers import Value
@@ -23,6 +25,8 @@ from ..scenarios.rules import Rule
 from ..simulate.measures import SENTENCES, measures_of
 from .reach import FAR, NEAR, reach
 
+# bytes of a run: what a phone's browser may have
+_LARGEST = 500_000_000
 # one of each of these is shown at first
 _FIRST = ("dq", "Delta", "u", "a")
 _BELOW = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
@@ -41,12 +45,26 @@ def export_page(
     The arguments are those of `simulate`. ScenarioError says what is wrong with them, BlockError what cannot be
     expressed on a page, ResultError why nothing can be written; BuildError if the compiler of the extra fails.
     """
-    text = page(study_of(prepare(scenario, observers, changes or {}, corrected=corrected)))
+    prepared = prepare(scenario, observers, changes or {}, corrected=corrected)
+    _refuse_too_long(prepared)
+    text = page(study_of(prepared))
     file = Path(path)
     written = writable_folder(file.parent) / file.name
     refuse_overwriting([written])
     write_whole(written, text.encode())
     return written
+
+
+def _refuse_too_long(prepared: Prepared) -> None:
+    """ScenarioError if a browser would have to keep more of a run than it may."""
+    loop, steps = prepared.loop, prepared.grid.steps
+    staged = len(loop.bank.measured) + len(loop.bank.front.y)
+    size = 8 * steps * (STAGES * (len(loop.seen) + staged * (1 + len(prepared.observers))) + len(loop.truth.y))
+    if size > _LARGEST:
+        raise ScenarioError(
+            f"a page keeps all steps of a run: {steps:,} of them would take {size / 1e6:,.0f} MB, "
+            f"{_LARGEST / 1e6:,.0f} MB at most; make duration shorter or step larger"
+        )
 
 
 def study_of(prepared: Prepared) -> Study:

@@ -142,6 +142,14 @@ def test_an_equation_that_no_page_has_a_word_for_is_named(tmp_path: Path) -> Non
     assert not list(tmp_path.iterdir())
 
 
+def test_a_run_that_no_browser_can_keep_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(
+        ScenarioError, match=r"^a page keeps all steps of a run: 2,000,000 of them would take 1,\d\d\d MB"
+    ):
+        written(tmp_path, changes={"duration": 1000.0})
+    assert not list(tmp_path.iterdir())
+
+
 def test_a_page_is_written_over_nothing_of_the_user(tmp_path: Path) -> None:
     (tmp_path / "page.html").write_text("mine")
     with pytest.raises(ResultError, match="is there already"):
