@@ -106,6 +106,13 @@ def test_each_end_of_each_slider_is_what_the_studies_compute(language: str, tmp_
 
 
 @needs_node
+def test_without_noise_nothing_is_held(tmp_path: Path) -> None:
+    changes = {**SHORT, "noise.period": 0.0}
+    (shown,) = written(tmp_path, changes=changes).run(asked({}))
+    assert_shows(shown, prepare("paper-noisy", None, changes))
+
+
+@needs_node
 def test_numbers_that_do_not_fit_together_are_named_and_nothing_runs(tmp_path: Path) -> None:
     page = written(tmp_path, changes={**SHORT, "plant.drive": "requested"})
     steep, far = page.run(asked({"muscle2.k": 40.0}), asked({"muscle1.z_max": 1.6}))
