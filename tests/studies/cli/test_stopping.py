@@ -187,6 +187,7 @@ WORDS = {
     "errata": "errata",
     "show": "show challenge",
     "list": "list",
+    "docs": "docs",
     "info": "info",
     "clean": "clean",
 }
