@@ -1,7 +1,6 @@
 """The site of all pages: it is made without a warning, its tutorials run, and every page of it opens whole."""
 
 import re
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -10,11 +9,11 @@ import pytest
 
 from hillobs.studies.scenarios.loops import all_paths
 from places import DOCS, ROOT
+from tools import CHROMIUM, needs_chromium
 
 pytest.importorskip("sphinx", reason="the extra `docs` is not installed")
 sync_api = pytest.importorskip("playwright.sync_api")
 
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 PHONE = {"width": 390, "height": 844}
 BROKEN = """---
 file_format: mystnb
@@ -45,7 +44,7 @@ def site(tmp_path_factory) -> Path:
     return folder
 
 
-@pytest.mark.skipif(CHROMIUM is None, reason="there is no Chromium")
+@needs_chromium
 def test_every_page_opens_without_a_word_and_fits_a_phone(site: Path) -> None:
     with sync_api.sync_playwright() as driver:
         browser = driver.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox", "--disable-gpu"])

@@ -1,7 +1,6 @@
 """JavaScript of CasADi's functions computes what CasADi does."""
 
 import json
-import shutil
 import subprocess
 
 import casadi as ca
@@ -10,8 +9,8 @@ import pytest
 
 from hillobs.codegen.targets.javascript import javascript
 from hillobs.model.block import BlockError
+from tools import NODE, needs_node
 
-NODE = shutil.which("node")
 x, y = ca.SX.sym("x"), ca.SX.sym("y")
 ONE = "sqrt fabs exp log sin cos tan asin acos atan sinh cosh tanh asinh acosh atanh expm1 log1p floor ceil sign"
 TWO = "atan2 hypot fmax fmin logic_and logic_or"
@@ -38,7 +37,7 @@ EXPRESSIONS = {
 POINTS = [(a, b) for a in (-1.5, -1.0, -0.3, 0.0, 0.7, 1.0, 2.5) for b in (-2.0, 0.0, 0.7, 1.0, 3.0)]
 
 
-@pytest.mark.skipif(NODE is None, reason="there is no node")
+@needs_node
 def test_each_operation_is_casadis() -> None:
     f = ca.Function("f", [x, y], [ca.densify(ca.vertcat(*EXPRESSIONS.values()))], ["x", "y"], ["values"])
     text = javascript(f, "f", ("x", "y"), ("values",))

@@ -131,7 +131,7 @@ def _hear(case: Case, source: int) -> None:
         sys.stdin = None
         os.close(0)
     else:
-        sys.stdin = open(0, closefd=False)  # noqa: SIM115
+        sys.stdin = os.fdopen(0, closefd=False)
 
 
 def _afresh(case: Case, box: Path, source: int, pipes: Mapping[str, int]) -> int:

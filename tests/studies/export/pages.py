@@ -4,7 +4,6 @@ import base64
 import gzip
 import json
 import re
-import shutil
 import subprocess
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -18,9 +17,8 @@ from hillobs.model.symbols import hat
 from hillobs.studies.scenarios.prepare import Prepared
 from hillobs.studies.simulate.measures import SENTENCES, measures
 from hillobs.studies.simulate.run import recorded
+from tools import NODE
 
-NODE = shutil.which("node")
-needs_node = pytest.mark.skipif(NODE is None, reason="there is no node")
 # another order of operations rounds otherwise; the least stable gains of the paper make 10⁴ times as much of it
 CLOSE = 1e-9
 

@@ -83,7 +83,7 @@ def test_the_same_export_is_the_same_file(tmp_path: Path) -> None:
 
 
 def described(manifest: Manifest, version: str) -> ElementTree.Element:
-    return ElementTree.fromstring(model_description(manifest, version, "{}"))  # noqa: S314  the text is ours
+    return ElementTree.fromstring(model_description(manifest, version, "{}"))  # noqa: S314  of our own text
 
 
 def test_it_says_units_bounds_defaults_and_what_numbers_are() -> None:
@@ -113,7 +113,7 @@ def test_words_of_a_block_are_harmless_in_a_description() -> None:
     usual = exported("high_gain", PERIOD)
     manifest = replace(usual, params=[replace(usual.params[0], sentence=words, unit="<V>"), *usual.params[1:]])
     for version in fmu.VERSIONS:
-        root = ElementTree.fromstring(model_description(manifest, version, "{}"))  # noqa: S314
+        root = described(manifest, version)
         (first,) = (
             variable for variable in root.find("ModelVariables") if variable.get("name") == usual.params[0].name
         )

@@ -1,7 +1,6 @@
 """A scenario as a page: it computes what the studies compute, whatever is moved and in whatever order."""
 
 import re
-from importlib.util import find_spec
 from pathlib import Path
 
 import casadi as ca
@@ -14,8 +13,9 @@ from hillobs.observers import ESTIMATES, OBSERVERS
 from hillobs.studies.export.pages import export_page, study_of
 from hillobs.studies.files.errors import ResultError, ScenarioError
 from hillobs.studies.scenarios.prepare import prepare
-from pages import Page, asked, assert_shows, needs_node
+from pages import Page, asked, assert_shows
 from places import OF_THE_PAIR
+from tools import needs_node, needs_zig
 
 # short, with errors that count; the grid can be taken twice as coarse
 SHORT = {"duration": 2.0, "score.start": 0.4}
@@ -32,8 +32,6 @@ MOVES = [
     {"initial.x3": 20.0},
     {},
 ]
-
-needs_zig = pytest.mark.skipif(find_spec("ziglang") is None, reason="ziglang is not installed")
 
 
 @pytest.fixture(params=["javascript", pytest.param("webassembly", marks=needs_zig)])

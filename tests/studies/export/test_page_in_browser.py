@@ -1,8 +1,6 @@
 """Pages in Chromium: what people see, press, move and link to."""
 
 import re
-import shutil
-from importlib.util import find_spec
 from pathlib import Path
 from statistics import median
 
@@ -11,8 +9,8 @@ from playwright.sync_api import Browser, Page, sync_playwright
 
 from hillobs.codegen.targets import page as writer
 from hillobs.studies.export.pages import export_page
+from tools import CHROMIUM, needs_chromium, needs_zig
 
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 DESKTOP, PHONE = {"width": 1360, "height": 900}, {"width": 390, "height": 844}
 # so many positions of a slider, one after the other
 DRAGGED = 60
@@ -25,11 +23,10 @@ GAINS = {
 
 pytestmark = [
     pytest.mark.chaos,
-    pytest.mark.skipif(CHROMIUM is None, reason="there is no Chromium"),
+    needs_chromium,
     # of Playwright's own, when an event loop is closed
     pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning"),
 ]
-needs_zig = pytest.mark.skipif(find_spec("ziglang") is None, reason="ziglang is not installed")
 
 
 @pytest.fixture(scope="module")
