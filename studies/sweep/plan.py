@@ -40,8 +40,6 @@ _SAMPLE = 16
 _MOST_SEEDS = 100_000_000
 # combinations of numbers that limit each other are checked one by one, up to this many
 _MOST_CHECKS = 200_000
-# the last words of paths whose numbers limit each other, beside those of the time grid: a tendon's, the force factors'
-_TOGETHER = ({"L_slack", "toe", "F_toe", "k"}, {"z_max", "g_max"})
 
 Seeds = NDArray[np.uint64]
 
@@ -192,7 +190,9 @@ def _check_together(plan: Plan) -> None:
     """Each combination of numbers that limit each other must be one that could run."""
     prepared, swept = plan.prepared, plan.axes.paths
     paths, scenario = prepared.paths, prepared.scenario
-    groups = [[path for path in swept if path.rpartition(".")[2] in words] for words in _TOGETHER]
+    # by the last words of their paths: `muscle.k` is that of both
+    ruled = {tuple(sorted({path.rpartition(".")[2] for path in rule.paths.values()})) for rule in prepared.rules}
+    groups = [[path for path in swept if path.rpartition(".")[2] in words] for words in sorted(ruled)]
     for together in filter(None, [[path for path in swept if paths.is_run(path)], *groups]):
         rows = list(itertools.islice(combinations(plan.axes, together), _MOST_CHECKS + 1))
         if len(rows) > _MOST_CHECKS:
