@@ -68,8 +68,8 @@ docs: $(VENV)/.docs page ## the site of all pages, with the reference: docs/_bui
 page: $(VENV)/.installed ## the paper's noisy simulation as a page for a browser: docs/_page/paper-noisy.html
 	$(BIN)/hillobs export page paper-noisy --out docs/_page/paper-noisy.html
 
-chaos: $(VENV)/.installed ## long tests: kills, full disks, races, many drawn recordings
-	$(BIN)/python -m pytest -m chaos -p no:cacheprovider
+chaos: $(VENV)/.installed ## long tests: kills, full disks, races; and all laws, on inputs drawn anew
+	$(BIN)/python -m pytest -m 'chaos or hypothesis' --hypothesis-profile others -p no:cacheprovider
 
 # SEED=1 draws others, CASES=200 fewer, CASE=17 one of them again
 hostile: $(VENV)/.installed ## 2,000 drawn commands among drawn files, surroundings and signals: no promise may break

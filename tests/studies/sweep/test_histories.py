@@ -14,10 +14,6 @@ from hillobs.studies.files.errors import ResultError
 from unfinished_sweeps import PARTS, EndedError, Sweep, flip
 
 
-def is_part(path: Path, part: int) -> bool:
-    return path.read_bytes().partition(b"\n")[0].endswith(f"part {part}".encode())
-
-
 class Machine(RuleBasedStateMachine):
     """What can befall a sweep, and what holds after each step."""
 
@@ -71,15 +67,16 @@ class Machine(RuleBasedStateMachine):
         if how == "remove" or (how == "swap" and not others):
             path.unlink()
             return
-        self.damaged.add(part)
+        whole = path.read_bytes()
         if how == "flip":
             flip(path, data.draw(st.integers(0, 8 * path.stat().st_size - 1)))
         elif how == "cut":
             os.truncate(path, data.draw(st.integers(0, path.stat().st_size - 1)))
         else:
             shutil.copy(self.here.parts / f"{data.draw(st.sampled_from(others)):08d}.part", path)
-            if is_part(path, part):
-                self.damaged.discard(part)
+        # a copy of the part itself, laid at another's place before, does no harm
+        if path.read_bytes() != whole:
+            self.damaged.add(part)
 
     @precondition(lambda self: self.here.parts.exists())
     @rule(name=st.sampled_from([f"{begin}-{16 * '7'}" for begin in (".00000001.part", ".x.nc", ".plan.json")]))
@@ -110,5 +107,6 @@ def machine(tmp_path: Path, untouched: bytes) -> type[Machine]:
     return Machine
 
 
+@pytest.mark.hypothesis  # of a machine's test Hypothesis does not say so itself
 def test_any_history_ends_in_the_same_result(machine: type[Machine]) -> None:
     run_state_machine_as_test(machine, settings=settings(max_examples=30, stateful_step_count=6, deadline=None))
