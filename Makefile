@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 CODE := model observers codegen studies hillobs tests benchmarks docs
 
 .DEFAULT_GOAL := help
-.PHONY: help sim sweep estimate test portable check format lint types imports observability lag docs page chaos hostile bench clean
+.PHONY: help sim sweep estimate test portable check format lint types imports observability lag docs links page chaos hostile bench clean
 
 help: ## show this help
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 16
@@ -64,6 +64,9 @@ $(VENV)/.docs: $(VENV)/.installed
 docs: $(VENV)/.docs page ## the site of all pages, with the reference: docs/_build/html/index.html
 	$(BIN)/python -m sphinx --quiet --fail-on-warning --keep-going --conf-dir docs/_site --builder html docs docs/_build/html
 	@echo "docs/_build/html/index.html"
+
+links: $(VENV)/.docs ## do the pages' links to other sites lead somewhere? This one asks the internet
+	$(BIN)/python -m sphinx --quiet --keep-going --conf-dir docs/_site --builder linkcheck docs docs/_build/links
 
 page: $(VENV)/.installed ## the paper's noisy simulation as a page for a browser: docs/_page/paper-noisy.html
 	$(BIN)/hillobs export page paper-noisy --out docs/_page/paper-noisy.html

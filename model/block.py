@@ -45,14 +45,20 @@ class Symbols(dict[str, ca.SX]):
 
 
 def symbols(names: str | Iterable[str]) -> Symbols:
-    """Fresh scalar symbols for the names given (one string is split at blanks)."""
+    """Fresh scalar symbols for the names given (one string is split at blanks).
+
+    >>> x = hillobs.symbols("position velocity")
+    >>> x.position, list(x)
+    (SX(position), ['position', 'velocity'])
+    """
     return Symbols({name: ca.SX.sym(name) for name in (names.split() if isinstance(names, str) else names)})
 
 
 @dataclass(frozen=True)
 class Parameter:
-    """A number of the model: its default, what it means, where it comes from and what it may be.
+    """A number of the model: its default, a sentence of what it means, its source and unit, and what it may be.
 
+    It is finite, > above, ≥ least, < below, ≤ most, and a whole number if `whole`.
     `shared` is the path of the one value that all Blocks take which use it, unless one is given its own.
     """
 
@@ -96,7 +102,9 @@ class Block:
     inputs at t = 0, or at 0. The input `t` is time, the inputs in `held` are constant over a step, all
     others are evaluated at each stage. `guards` are 1 while a limit is active, else 0; an expression in
     `domain` must stay positive. The magnitude of a state or output must stay within its entry in `limits`,
-    an expression in p and STEP; where there is none, its square must be a number.
+    an expression in p and STEP; where there is none, its square must be a number. `parameters` tell of each
+    symbol in p. `parts` are the Blocks that it was wired from.
+    BlockError if the name is none, a state does not move in one way, or an expression has a symbol of nobody.
     """
 
     name: str

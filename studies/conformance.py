@@ -27,10 +27,17 @@ _FORCES = (-1e-3, 0.0, 1e-12, 0.1, 0.5, 2.0)
 
 
 def conformance(block: Block) -> list[str]:
-    """What is wrong with an observer, in sentences; empty if it conforms.
+    """What is wrong with the observer `block`, in sentences; empty if it conforms.
 
     Checked: the ports, the description of its parameters, finite numbers for taut and slack tendons and for zero
     error, compiled C equal to the expressions, and that it runs beside the others without changing them.
+    BuildError if nothing can be compiled.
+
+    >>> x = hillobs.symbols("x1_hat x2_hat Delta_hat x3_hat u1_hat x4_hat u2_hat")
+    >>> y = hillobs.symbols("y1 y2 y3")
+    >>> still = hillobs.Symbols({name: 0 for name in x})
+    >>> hillobs.conformance(hillobs.Block("still", x=x, u=y, dx=still, y=x))
+    []
     """
     try:
         whole = estimator(block)

@@ -1,7 +1,9 @@
 """The Python of all pages runs as printed, their commands parse, their links lead somewhere, and they are shipped."""
 
 import ast
+import doctest
 import gzip
+import inspect
 import itertools
 import os
 import re
@@ -16,6 +18,7 @@ import click
 import matplotlib.pyplot as plt
 import pytest
 
+import hillobs
 from hillobs.model.curves import CURVES, NGUYEN2019, THELEN2003
 from hillobs.observers import OBSERVERS
 from hillobs.studies import conformance
@@ -83,6 +86,22 @@ def test_the_python_of_a_page_runs(
     plt.close("all")
     if page.name == "observers.md":
         assert "conforms" in capsys.readouterr().out.splitlines()
+
+
+# those that take seconds, for they fit or compile
+LONG = ("conformance", "verdict")
+FUNCTIONS = [name for name in hillobs.__all__ if inspect.isfunction(getattr(hillobs, name))]
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.chaos] * (name in LONG)) for name in [*FUNCTIONS, "Range"]]
+)
+def test_the_example_of_a_function_runs_as_printed(name: str, desk: Path) -> None:
+    (example,) = doctest.DocTestFinder(recurse=False).find(getattr(hillobs, name), name, globs={"hillobs": hillobs})
+    assert example.examples
+    said: list[str] = []
+    doctest.DocTestRunner(optionflags=doctest.NORMALIZE_WHITESPACE).run(example, out=said.append)
+    assert "".join(said) == ""
 
 
 # ---------------------------------------------------------------- commands

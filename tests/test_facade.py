@@ -1,5 +1,6 @@
 """`import hillobs` is the door: it shows what there is, opens quickly, and nothing else is needed."""
 
+import dataclasses
 import inspect
 import pydoc
 import re
@@ -48,11 +49,32 @@ def test_every_error_is_a_hillobs_error_and_says_what_it_is() -> None:
             wrong()
 
 
-def test_no_signature_shows_an_address_and_every_function_is_described() -> None:
+# "The other arguments are those of `simulate`": what a docstring leaves to another one
+THOSE_OF = re.compile(r"arguments are those of `(\w+)`")
+# what cannot go wrong
+SURE = ("symbols", "constant_moment_arms")
+
+
+def described(name: str) -> str:
+    text = inspect.getdoc(getattr(hillobs, name)) or ""
+    return " ".join([text, *(described(other) for other in THOSE_OF.findall(text))])
+
+
+def test_no_signature_shows_an_address() -> None:
     for name in hillobs.__all__:
         if inspect.isfunction(thing := getattr(hillobs, name)):
             assert " at 0x" not in str(inspect.signature(thing)), name
-            assert inspect.getdoc(thing), name
+
+
+def test_every_argument_and_field_is_described_and_every_function_says_how_it_fails() -> None:
+    for name in hillobs.__all__:
+        thing = getattr(hillobs, name)
+        if inspect.isfunction(thing):
+            parts = list(inspect.signature(thing).parameters)
+            assert name in SURE or re.search(r"\b[A-Z]\w+Error\b", described(name)), name
+        else:
+            parts = [part.name for part in dataclasses.fields(thing)] if dataclasses.is_dataclass(thing) else []
+        assert [part for part in parts if not re.search(rf"\b{part}\b", described(name))] == [], name
 
 
 # what makes a table and is not shown to the reader

@@ -49,6 +49,7 @@ html_css_files = ["site.css"]
 html_show_sourcelink = False
 html_theme_options = {
     "navigation_with_keys": False,
+    "navbar_align": "left",
     "header_links_before_dropdown": 8,
     "show_toc_level": 2,
     "footer_start": ["copyright"],

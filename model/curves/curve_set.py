@@ -47,6 +47,10 @@ class CurveSet:
     tables: Mapping[str, Sequence[tuple[float, float]]] | None = None  # the points of curves that a user gave as tables
     rises: Below | None = None  # what a tendon's numbers must fulfil for its curve to rise
 
+    def __repr__(self) -> str:
+        """Its name: functions have no words of their own."""
+        return f"CurveSet({self.name})"
+
     @property
     def parameters(self) -> Parameters:
         """All numbers of the curves: the tendon's, then the fibre's."""

@@ -16,7 +16,10 @@ _ROUNDING = 1e-11
 
 @dataclass(frozen=True)
 class Path:
-    """L = Σ coefficient Π q_jᵉ over the tuples of exponents e, one for each of `joints`; angles in rad."""
+    """L = Σ coefficient Π q_jᵉ over the `terms`, which are exponents e → coefficient, one for each of `joints`.
+
+    L is in m, angles in rad.
+    """
 
     joints: tuple[str, ...]
     terms: Mapping[tuple[int, ...], float]
@@ -47,7 +50,13 @@ def exponents(order: int, count: int) -> Iterator[tuple[int, ...]]:
 
 
 def polynomial(joints: Sequence[str], order: int, coefficients: Sequence[float]) -> Path:
-    """Of all exponents with a sum of at most `order`, the last joint's rising fastest. TreeError if not as many."""
+    """A path, in m over rad, from the coefficients of all exponents of the joints with a sum of at most `order`.
+
+    The exponents are sorted, the last joint's rising fastest. TreeError if there are not as many coefficients.
+
+    >>> hillobs.polynomial(["elbow"], 2, [0.3, -0.04, 0.001])
+    Path(joints=('elbow',), terms={(0,): 0.3, (1,): -0.04, (2,): 0.001})
+    """
     if order < 0:
         raise TreeError(f"the order of a polynomial must be at least 0, not {order}")
     terms = math.comb(order + len(joints), order)
@@ -62,7 +71,11 @@ def polynomial(joints: Sequence[str], order: int, coefficients: Sequence[float])
 
 
 def constant_moment_arms(length: float, moment_arms: Mapping[str, float]) -> Path:
-    """L = length − Σ r_j q_j."""
+    """L = length − Σ r_j q_j, in m: moment_arms are the r_j in m, by joint; a positive one shortens as the joint turns.
+
+    >>> hillobs.constant_moment_arms(0.3, {"elbow": 0.04})
+    Path(joints=('elbow',), terms={(0,): 0.3, (1,): -0.04})
+    """
     joints = tuple(moment_arms)
     terms = {tuple(int(other == joint) for other in joints): -arm for joint, arm in moment_arms.items()}
     return Path(joints, {(0,) * len(joints): length, **terms})

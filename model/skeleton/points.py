@@ -16,7 +16,7 @@ from .tree import Tree, Vector
 
 @dataclass(frozen=True)
 class Point:
-    """A place in the frame of a link, such as that of a hand."""
+    """A place, `at` m in the frame of a link, such as that of a hand."""
 
     link: str
     at: Vector

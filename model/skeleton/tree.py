@@ -23,7 +23,10 @@ class TreeError(Error, ValueError):
 
 @dataclass(frozen=True)
 class Link:
-    """A rigid body, in its frame: mass, centre of mass, and xx, yy, zz, xy, xz, yz of the inertia about that."""
+    """A rigid body: mass kg, and in its frame the centre of mass com m and xx, yy, zz, xy, xz, yz of the inertia kg m².
+
+    The inertia is about the centre of mass.
+    """
 
     mass: float = 0.0
     com: Vector = _ORIGIN
@@ -38,8 +41,9 @@ class Link:
 
 @dataclass(frozen=True)
 class Joint:
-    """Two frames that coincide but for a rotation about an axis (pin), a shift along it (slider), or not at all (weld).
+    """Two frames that coincide but for a rotation about an axis or a shift along it.
 
+    kind: "pin" turns, "slider" shifts, "weld" does neither.
     One frame is fixed to the parent, `at` this place and turned by `orientation` about its own x, y, z one after the
     other; the other, by child_at and child_orientation, to the child. The coordinate is the angle in rad or the shift;
     its spring and damper make the force −stiffness (q − rest) − damping q̇. Where it is locked it is that number;
@@ -72,8 +76,9 @@ class Joint:
 
 @dataclass(frozen=True)
 class Tree:
-    """Links by name, held by joints by name, below the ground, in a field of gravity.
+    """Links by name, held by joints by name, below the ground, in a field of gravity (m/s²).
 
+    outward: the joints in an order in which each comes after those that carry it.
     TreeError if a joint names no link, a link hangs in no joint or in two, or links hang in a circle.
     """
 

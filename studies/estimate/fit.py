@@ -64,7 +64,13 @@ def fit(
 
     source: a scenario as `simulate` takes it, or with `muscles` a recording as `estimate` does, with its `mapping`.
     changes: of the scenario, or gains by hand; numbers of the filter among them stay as they are. The result can be
-    given to `simulate` and `sweep` as changes. ScenarioError, RecordingError for what is wrong with the files.
+    given to `simulate` and `sweep` as changes. progress: given the part that is done. ScenarioError, RecordingError for
+    what is wrong with the files.
+
+    >>> numbers = hillobs.fit("run.csv", "pair.toml", mapping={"position": "block x[mm]"})
+    >>> sorted(numbers)  # doctest: +NORMALIZE_WHITESPACE
+    ['kalman.order_D', 'kalman.order_u', 'kalman.s_D', 'kalman.s_u1', 'kalman.s_u2', 'kalman.sigma_1',
+     'kalman.sigma_F1', 'kalman.sigma_F2']
     """
     return dict(fitted(source, muscles, mapping, changes or {}, progress or unseen).numbers)
 

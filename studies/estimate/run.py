@@ -80,6 +80,11 @@ def estimate(
     The Dataset has the dimensions time, observer, muscle, of a mechanism also joint.
     RecordingError, ScenarioError for what is wrong with the
     files, BuildError if nothing can be compiled.
+
+    >>> estimates = hillobs.estimate("run.csv", "pair.toml", "high_gain", mapping={"position": "block x[mm]"})
+    >>> error = estimates.activation_hat - estimates.true_activation
+    >>> print(f"{error.sel(time=slice(1, None)).std().item():.3f}")
+    0.012
     """
     chosen = observers_named(observers)
     subject = subject_of(muscles)

@@ -79,9 +79,14 @@ def check_estimates(dataset: xr.Dataset) -> None:
 
 
 def arguments(dataset: xr.Dataset) -> dict[str, Any]:
-    """What `estimate` needs beside the recording to repeat a result, by the names of its arguments.
+    """What `estimate` needs beside the recording to repeat the result `dataset`, by the names of its arguments.
 
     ResultError or ScenarioError if the Dataset has no estimates, or muscles that are none.
+
+    >>> estimates = hillobs.estimate("run.csv", "pair.toml", "high_gain", mapping={"position": "block x[mm]"})
+    >>> again = hillobs.estimate("run.csv", **hillobs.arguments(estimates))
+    >>> again.activation_hat.equals(estimates.activation_hat)
+    True
     """
     attributes = _checked(dataset)
     # a result holds the points of a user's curves, and names no file of them

@@ -42,8 +42,12 @@ def export_page(
 ) -> Path:
     """Write a scenario as one HTML file, in which its numbers can be moved; its path.
 
-    The arguments are those of `simulate`. ScenarioError says what is wrong with them, BlockError what cannot be
-    expressed on a page, ResultError why nothing can be written; BuildError if the compiler of the extra fails.
+    path: the file. The other arguments are those of `simulate`. ScenarioError says what is wrong with them, BlockError
+    what cannot be expressed on a page, ResultError why nothing can be written; BuildError if the compiler of the extra
+    fails.
+
+    >>> hillobs.export_page("paper-clean", "page.html").name
+    'page.html'
     """
     prepared = prepare(scenario, observers, changes or {}, corrected=corrected)
     _refuse_too_long(prepared)

@@ -36,6 +36,9 @@ def export_c(
     value, such as {"high_gain.eps_h": 0.05}. corrected: the layers of the sliding mode observers are corrected.
     steps: of RK4 from sample to sample, by the rule of docs/gains.md if not given. single: numbers are float.
     ScenarioError, BlockError or ResultError says what is wrong, and then nothing is written.
+
+    >>> [path.name for path in hillobs.export_c("high_gain", 0.005, "c", muscles="pair.toml")]
+    ['high_gain.h', 'high_gain.c', 'main.c', 'CMakeLists.txt', 'README.md']
     """
     return save_c(exported(observer, period, scenario, muscles, changes, corrected, steps), Path(out), single)
 
@@ -53,6 +56,9 @@ def export_fmu(
     """Write an observer as FMUs for Co-Simulation, of FMI 2.0 and of FMI 3.0, and return their paths.
 
     The arguments are those of `export_c`. BuildError too if there is no compiler.
+
+    >>> [path.name for path in hillobs.export_fmu("high_gain", 0.005, "fmu")]
+    ['high_gain-fmi2.fmu', 'high_gain-fmi3.fmu']
     """
     return save_fmus(exported(observer, period, scenario, muscles, changes, corrected, steps), Path(out))
 
@@ -62,7 +68,11 @@ def export_plant(
 ) -> list[Path]:
     """Write the plant of a scenario with its controller as FMUs, `plant-fmi2.fmu` and `plant-fmi3.fmu`; their paths.
 
-    Their outputs are what is true, and what the sensors measure of it without noise, in the paper's units.
-    changes: path → value, such as {"plant.m": 1.2}. Errors as those of `export_fmu`.
+    out: a folder, which is made if need be. Their outputs are what is true, and what the sensors measure of it without
+    noise, in the paper's units. changes: path → value, such as {"plant.m": 1.2}. ScenarioError, ResultError, BuildError
+    as with `export_fmu`.
+
+    >>> [path.name for path in hillobs.export_plant("fmu", "paper-clean")]
+    ['plant-fmi2.fmu', 'plant-fmi3.fmu']
     """
     return save_fmus(exported_plant(scenario, changes), Path(out))

@@ -31,9 +31,10 @@ class Recording:
 
     time s; measured: position m, force_1 and force_2 N of a pair, or those of a mechanism, by name: float64 (n,), NaN
     where there is a gap. true: further known columns by name. rows: the row of the file each sample comes from,
-    counted from 1. repeated: rows left out because they repeat the row before. remarks: what else to know, in
-    sentences. mapping: which columns of the file were named. columns: what there is to know, of a pair by default.
-    RecordingError if columns are no arrays of numbers of one length, one is missing, or time does not rise.
+    counted from 1. source: where they come from. repeated: rows left out because they repeat the row before. remarks:
+    what else to know, in sentences. mapping: which columns of the file were named. columns: what there is to know, of a
+    pair by default. RecordingError if columns are no arrays of numbers of one length, one is missing, or time does not
+    rise.
     """
 
     source: str
@@ -67,6 +68,11 @@ class Recording:
         object.__setattr__(self, "true", true)
         object.__setattr__(self, "time", columns.pop("time"))
         object.__setattr__(self, "measured", {name: columns[name] for name in self.columns.required})
+
+    def __repr__(self) -> str:
+        """What it is of, and how long."""
+        seconds = f", {self.time[-1] - self.time[0]:g} s" if len(self) else ""
+        return f"Recording({self.source}: {len(self):,} samples{seconds}; {', '.join(self.measured)})"
 
     def _is(self, name: str) -> bool:
         return name in ("time", *self.columns.required)
@@ -105,12 +111,18 @@ def read_recording(
     progress: Progress | None = None,
     known: Columns = COLUMNS,
 ) -> Recording:
-    """A recording: CSV, .sto, .mot, each also gzipped.
+    """The recording in the file `path`: CSV, .sto, .mot, each also gzipped; in SI, whatever its units.
 
     mapping: name → column of the file, or `column[unit]`. progress: given the part of the file that has been read.
     known: what columns may be called, those of a pair by default.
     RecordingError names the file and row and column, or says which column is missing and what is there; also if there
     are more numbers than memory should hold.
+
+    >>> run = hillobs.read_recording("run.csv", {"position": "block x[mm]"})
+    >>> run
+    Recording(run.csv: 2,001 samples, 10 s; position, force_1, force_2)
+    >>> print(f"{run['position'][0]:.3f} m")
+    0.310 m
     """
     if not isinstance(path, str | Path):
         raise RecordingError(f"a recording is a file's name or one that was read, not {shown(path)}")

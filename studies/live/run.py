@@ -36,6 +36,13 @@ def follow(
     seconds, in which there are no estimates. corrected: as for `estimate`.
     state: what `state()` of a follower gave, to go on from there: it knows its period and gains.
     ScenarioError or ResultError for what is wrong with any of them, BuildError if nothing can be compiled.
+
+    >>> gains = {"high_gain.eps_h": 0.2, "high_gain.eps_L": 0.05}
+    >>> follower = hillobs.follow("pair.toml", "high_gain", period=0.005, gains=gains)
+    >>> for _ in range(200):
+    ...     estimate = follower.step(0.31, 380.0, 379.0)
+    >>> {muscle: round(activation, 3) for muscle, activation in estimate.activation.items()}
+    {1: 0.357, 2: 0.356}
     """
     made = setup(muscles, observer, corrected)
     if state is not None:

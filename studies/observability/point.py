@@ -60,12 +60,18 @@ def observability(
 ) -> Answer:
     """What `sensors` determine at a point of a scenario: its start, with the coordinates of `place` instead.
 
+    source: the scenario, as `simulate` takes it.
+
     place: coordinate → value, dimensionless. sensors: of x1, x2, F1, F2, L_C1, L_C2, by default x1, F1, F2. unknown:
     "none", "u" (Δ, u1, u2) or "a" (Δ, a1, a2), as constants. order: highest Lie derivative. changes: path → value.
     mechanism: instead of a scenario and its changes; its sensors are joints and muscles by name, all of them by
     default, and fibres such as BRA.L_C; the point is at rest in the middle of its ranges, with a fifth of F_max in each
     tendon, angles in rad and all else in the units that `hillobs observability --mechanism` prints.
     ScenarioError for a wrong scenario, sensor, coordinate or a point outside the domain.
+
+    >>> seen = hillobs.observability(place={"x3": 1.99}, unknown="u")  # tendon 1 is slack
+    >>> seen.verdict.rank, seen.verdict.unobservable
+    (5, ('x3', 'u1'))
     """
     if mechanism is not None:
         if changes:

@@ -30,6 +30,10 @@ class Range:
     """From `low` to `high`, evenly spaced or evenly in the logarithm; `count` values, or 0 for a design to choose.
 
     ScenarioError for ends that are no finite numbers, and for a count beyond that of an axis.
+
+    >>> over = {"high_gain.eps_h": hillobs.Range(0.05, 0.4, 4, logarithmic=True)}
+    >>> hillobs.sweep("paper-noisy", over, seeds=2).sizes["high_gain.eps_h"]
+    4
     """
 
     low: float

@@ -72,6 +72,11 @@ def sweep(
     the `…_step_error` of each measure (sampled, observer, quantity), as `simulate` has. Everything is dimensionless.
     ScenarioError for what cannot be run, ResultError for `out`, BuildError if nothing can be compiled, ClusterError for
     a cluster that is not there, lost, or of other code.
+
+    >>> found = hillobs.sweep("paper-noisy", {"high_gain.eps_h": [0.05, 0.1, 0.2, 0.4]}, seeds=4)
+    >>> best = found.rmse.median("seed").idxmin("high_gain.eps_h")
+    >>> best.sel(observer="high_gain", quantity=["x2", "a1"]).values
+    array([0.2, 0.1])
     """
     checked = plan(source, over or {}, seeds, observers, changes, kind, samples, quantities, measures, corrected)
     with engine(workers, cluster) as (compute, usual):

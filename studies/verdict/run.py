@@ -70,8 +70,15 @@ def verdict(
     """Whether a recording and the numbers of its muscles can be believed.
 
     recording, muscles, mapping, and of the Kalman filter whose estimates are judged changes and form: as `estimate`
-    takes them. Every sample is looked at; of more than 4,000 those in the middle say how likely other muscles are.
-    RecordingError, ScenarioError for what cannot be a recording of these muscles at all.
+    takes them. progress: given the part that is done. Every sample is looked at; of more than 4,000 those in the middle
+    say how likely other muscles are. RecordingError, ScenarioError for what cannot be a recording of these muscles at
+    all.
+
+    >>> judged = hillobs.verdict("run.csv", "pair.toml", mapping={"position": "block x[mm]"})
+    >>> judged.quality
+    'good'
+    >>> [finding.subject for finding in judged.findings if finding.doubtful]
+    []
     """
     subject = subject_of(muscles)
     read = recording if isinstance(recording, Recording) else read_recording(recording, mapping, None, subject.columns)

@@ -1,4 +1,4 @@
-"""Docstrings as Sphinx reads them: ours are plain text, with code in single backticks or indented.
+"""Docstrings as Sphinx reads them: ours are plain text, with code in single backticks or indented, and examples.
 
 A line that begins with the name of an argument and a colon is about that argument.
 """
@@ -44,7 +44,10 @@ def _paragraphs(lines: list[str]) -> list[list[str]]:
 
 
 def _blocks(paragraph: list[str], arguments: Container[str]) -> Iterator[list[str]]:
-    """The parts of a paragraph: code, arguments, sentences."""
+    """The parts of a paragraph: an example, code, arguments, sentences."""
+    if paragraph[0].startswith(">>> "):
+        yield paragraph
+        return
     if all(line.startswith("    ") for line in paragraph):
         yield ["::", "", *paragraph]
         return

@@ -26,9 +26,15 @@ def save_netcdf(dataset: xr.Dataset, path: Path) -> None:
 
 
 def load(path: str | Path) -> xr.Dataset:
-    """A result that `save` or `save_netcdf` has written. ResultError if it is none, damaged, or forged.
+    """The result in the file `path`, as commands and `out` have written it.
+
+    ResultError if it is none, damaged, or forged.
 
     Anyone can seal a file: what is returned is a Dataset, whose variables each reader checks, `Schema`.
+
+    >>> _ = hillobs.sweep("paper-noisy", {"high_gain.eps_h": [0.1, 0.2]}, out="eps.nc")
+    >>> hillobs.load("eps.nc").rmse.dims
+    ('high_gain.eps_h', 'seed', 'observer', 'quantity')
     """
     try:
         content = unsealed(read_whole(Path(path), LARGEST_RESULT))

@@ -24,7 +24,7 @@ _NAME = re.compile(r"(?=.{1,30}$)[A-Za-z][A-Za-z0-9]*(_[A-Za-z0-9]+)*")
 class Mechanism:
     """kg, m, rad, N; `paths` are the muscles' lengths in m over the coordinates of the tree's joints, by muscle.
 
-    points: places on links, by name, that can follow a reference.
+    points: places on links, by name, that can follow a reference. description: what results say of it.
 
     ScenarioError if a path is missing, or crosses a joint that has no coordinate, for a name that is none, or if
     nothing moves, or something without a mass.

@@ -31,7 +31,14 @@ _TOP = ["description", "gravity", "paths", "links", "joints", "points", COMMON, 
 
 
 def read_mechanism(path: str | Path) -> Mechanism:
-    """The mechanism of a TOML file. ScenarioError names the file and the key that is wrong, missing or unknown."""
+    """The mechanism of the TOML file `path`, docs/mechanisms.md.
+
+    ScenarioError names the file and the key that is wrong, missing or unknown.
+
+    >>> arm = hillobs.read_mechanism("studies/laboratory/recordings/arm.toml")
+    >>> list(arm.paths)
+    ['TRIlong', 'TRIlat', 'TRImed', 'BIClong', 'BICshort', 'BRA']
+    """
     content = read_toml(Path(path), LARGEST_FILE)
     with in_file(path):
         return mechanism_of(content, Path(path).parent)

@@ -43,8 +43,9 @@ SCALED: Mapping[str, str] = {
 
 @dataclass(frozen=True)
 class Muscle:
-    """F_max N, lengths m, v_max in own optimal fibre lengths per second.
+    """F_max N, optimal_fibre_length and tendon_slack_length m, v_max in own optimal fibre lengths per second.
 
+    curves: one of CURVES, or of tables.
     numbers: those of the curve set, its defaults where left out. sds: standard deviations of numbers that are known
     only so well, in their units. pennation: rad.
     ScenarioError for what is no number, or beyond the ranges of docs/recordings.md.

@@ -30,9 +30,10 @@ PAIR: Mapping[str, Parameter] = {
 
 @dataclass(frozen=True)
 class MusclePair:
-    """mass kg and C m of the pair; muscle 1 pulls the mass towards position 0, muscle 2 towards C.
+    """mass kg and C m of the pair; muscle1 pulls the mass towards position 0, muscle2 towards C.
 
-    sds: as those of a Muscle.
+    sds: as those of a Muscle. description: what results say of the pair.
+    ScenarioError for what is no number, beyond the ranges of docs/recordings.md, or leaves fibres no room.
     """
 
     mass: float
@@ -67,7 +68,14 @@ class MusclePair:
 
 
 def read_muscles(path: str | Path) -> MusclePair:
-    """The muscles of a TOML file. ScenarioError names the file and the key that is wrong, missing or unknown."""
+    """The muscles of the TOML file `path`, docs/recordings.md.
+
+    ScenarioError names the file and the key that is wrong, missing or unknown.
+
+    >>> pair = hillobs.read_muscles("pair.toml")
+    >>> pair.mass, pair.muscle1.optimal_fibre_length
+    (20.0, 0.1)
+    """
     if not isinstance(path, str | Path):
         raise ScenarioError(f"muscles are a file's name or a pair that was read, not {shown(path)}")
     content = read_toml(Path(path))
