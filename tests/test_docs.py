@@ -178,7 +178,7 @@ def test_the_commands_of_a_page_run(page: Path, desk: Path) -> None:
     (desk / "other.csv").write_bytes((desk / "run.csv").read_bytes())
     (desk / "my.py").write_text(python_of(DOCS / "observers.md").partition("run = ")[0], encoding="utf-8")
     with gzip.open(RECORDINGS / "dgf_smooth_noisy.csv.gz", "rt", encoding="utf-8") as file:
-        measured = [",".join(line.split(",")[1:4]).replace("_measured", "") for line in file]
+        measured = [",".join(line.split(",")[:4]).replace("_measured", "") for line in file]
     (desk / "samples.csv").write_text("\n".join(measured), encoding="utf-8")
     program = re.search(r"^```py\n(.*?)^```", page.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE)
     (desk / "meet.py").write_text(program[1] if program else "", encoding="utf-8")
