@@ -7,6 +7,7 @@ import sys
 
 from .codegen.system.room import has_room
 from .studies.cli.shell.stopping import stoppable
+from .studies.files.dask import leave_out
 
 # bytes of address space that a command takes before it has done anything, most of them for libraries
 _LEAST = 500_000_000
@@ -27,6 +28,7 @@ def _command_line() -> None:
     # NumPy and matplotlib read it as they are imported, and raise whatever it makes them
     if not _DATE.fullmatch(os.environ.get("SOURCE_DATE_EPOCH", "0")):
         _refuse("SOURCE_DATE_EPOCH must be seconds since 1970, at most 11 digits")
+    leave_out()
     try:
         from .studies.cli.main import main as command_line  # takes a while, in which a signal may come
     except OSError as error:  # no file may be opened any more

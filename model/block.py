@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Container, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -153,16 +153,21 @@ class Block:
 
     def _check_free_symbols(self) -> None:
         inputs = [*self.u.values(), *self.p.values()]
-        known_to = {
-            **{group: [*self.x.values(), *inputs] for group in _EXPRESSIONS},
-            "x0": inputs,
-            "limits": [*self.p.values(), STEP],
-        }
-        for group, known in known_to.items():
+        for groups, known in (
+            (_EXPRESSIONS, [*self.x.values(), *inputs]),
+            (("x0",), inputs),
+            (("limits",), [*self.p.values(), STEP]),
+        ):
             allowed = {symbol.element_hash() for symbol in known}
-            for name, expression in getattr(self, group).items():
-                if free := [s.name() for s in ca.symvar(expression) if s.element_hash() not in allowed]:
-                    raise BlockError(f"{self.name}: {group}.{name} uses {', '.join(free)}, not among its own symbols")
+            # all at once first: to ask each costs more than all else that making a Block does
+            if not _strangers(ca.vertcat(*(getattr(self, group).vector() for group in groups)), allowed):
+                continue
+            for group in groups:
+                for name, expression in getattr(self, group).items():
+                    if free := _strangers(expression, allowed):
+                        raise BlockError(
+                            f"{self.name}: {group}.{name} uses {', '.join(free)}, not among its own symbols"
+                        )
 
     @property
     def sampled(self) -> bool:
@@ -178,13 +183,18 @@ class Block:
 _EXPRESSIONS = ("y", "dx", "next", "per_step", "guards", "domain")
 
 
+def _strangers(expression: ca.SX, allowed: Container[int]) -> list[str]:
+    """The symbols of an expression whose hashes are not among those `allowed`."""
+    return [symbol.name() for symbol in ca.symvar(expression) if symbol.element_hash() not in allowed]
+
+
 def _scalars(block: str, group: str, given: Mapping[str, ca.SX | float]) -> Symbols:
     result = Symbols()
     for name, value in given.items():
-        entry = ca.SX(value)
+        entry = value if isinstance(value, ca.SX) else ca.SX(value)
         if entry.shape != (1, 1):
             raise BlockError(f"{block}: {group}.{name} has the shape {entry.shape}; every component is a scalar")
         if group in ("x", "u", "p") and not entry.is_symbolic():
             raise BlockError(f"{block}: {group}.{name} must be a symbol, it is an expression")
-        result[name] = ca.densify(entry)
+        result[name] = entry if entry.is_dense() else ca.densify(entry)
     return result

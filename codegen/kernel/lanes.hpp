@@ -46,6 +46,25 @@ INLINE Reals all(double x) { return x - Reals{}; }
 INLINE Reals pick(Mask mask, Reals yes, Reals no) { return mask ? yes : no; }
 INLINE Reals magnitude(Reals x) { return real(bits(x) & INT64_MAX); }
 
+// b > a ? b : a and b < a ? b : a. The instruction is just that, for signed zeros and what is no number too; compilers
+// make it of the words only where no operand is a constant.
+#if HILLOBS_BYTES == 64 && !defined __clang__
+INLINE Reals larger(Reals a, Reals b) { return __builtin_ia32_maxpd512_mask(b, a, a, 255, 4); }
+INLINE Reals smaller(Reals a, Reals b) { return __builtin_ia32_minpd512_mask(b, a, a, 255, 4); }
+#elif HILLOBS_BYTES == 64
+INLINE Reals larger(Reals a, Reals b) { return __builtin_ia32_maxpd512(b, a, 4); }
+INLINE Reals smaller(Reals a, Reals b) { return __builtin_ia32_minpd512(b, a, 4); }
+#elif HILLOBS_BYTES == 32
+INLINE Reals larger(Reals a, Reals b) { return __builtin_ia32_maxpd256(b, a); }
+INLINE Reals smaller(Reals a, Reals b) { return __builtin_ia32_minpd256(b, a); }
+#elif defined __SSE2__ && HILLOBS_BYTES == 16
+INLINE Reals larger(Reals a, Reals b) { return __builtin_ia32_maxpd(b, a); }
+INLINE Reals smaller(Reals a, Reals b) { return __builtin_ia32_minpd(b, a); }
+#else
+INLINE Reals larger(Reals a, Reals b) { return pick(b > a, b, a); }
+INLINE Reals smaller(Reals a, Reals b) { return pick(b < a, b, a); }
+#endif
+
 // in any lane?
 #if HILLOBS_BYTES == 64
 typedef long long Longs __attribute__((vector_size(64)));  // what compilers call it here
@@ -123,8 +142,8 @@ INLINE V operator!(V x) { return x == 0.0; }
 INLINE V operator&&(V x, V y) { return (x != 0.0) * (y != 0.0); }
 INLINE V operator||(V x, V y) { return !(!x && !y); }
 // a first argument that is no number stays visible
-BINARY(fmax, pick(b > a, b, a))
-BINARY(fmin, pick(b < a, b, a))
+BINARY(fmax, larger(a, b))
+BINARY(fmin, smaller(a, b))
 UNARY(fabs, magnitude(a))
 // b where a is not 0, elsewhere c, whatever the other is
 TERNARY(select, pick(a != all(0), b, c))

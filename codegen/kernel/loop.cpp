@@ -1,8 +1,11 @@
 // Many closed loops at once: the truth, then every observer and its score, grid point by grid point.
 
 enum { N_HELD = N_NOISE + N_PULSES + 2, N_ROW = 4 * N_SEEN + N_TRUTH };
-// grid points that each observer computes in a row: its code and its inputs stay in the nearest caches
-enum { TILE = 4 };
+// Grid points that each observer computes in a row: its code stays in the nearest cache. What they see is on the stack.
+constexpr int tile(int points) {
+    return points > 4 && points * (N_OBSERVERS * sizeof(Sight)) > (1 << 20) ? tile(points / 2) : points;
+}
+enum { TILE = tile(32) };
 
 // A block at work in all lanes. All arrays are the caller's, aligned for V.
 struct Part {

@@ -11,13 +11,13 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import click
+import xarray as xr
 
-from ..estimate.files import estimate_paths, refuse_replacing, report_path, save_again, save_estimates
+from ..estimate.files import SHEET, estimate_paths, refuse_replacing, report_path, save_again, save_estimates
 from ..estimate.run import KALMAN, compile_observers
 from ..estimate.run import estimate as estimated
 from ..estimate.scores import scores
-from ..figures.estimate import SHEET, estimate_sheet
-from ..figures.page import content, figure_paths, write_figures
+from ..files.pictures import figure_paths
 from ..files.quote import escaped
 from ..files.writing import writable_folder, write_whole
 from ..kalman.run import AUTO, FORMS
@@ -137,9 +137,8 @@ def estimate(
     with bar("writing") as progress:
         # first of all: what is said of estimates may take longer than they did
         paths = save_estimates(dataset, known, folder, progress)
-        drawn = {} if no_figures and not report else {SHEET: estimate_sheet(dataset)}
-        if not no_figures:
-            paths += write_figures(drawn, folder, _STEM)
+        picture, files = _drawn(dataset, folder, not no_figures, report)
+        paths += files
     say(*notes(dataset), timing(dataset, reading, building, following), err=as_json)
     if chosen is None:
         say(_KALMAN_TOO, err=as_json)
@@ -152,7 +151,7 @@ def estimate(
         say("", *sentences(found), err=as_json)
     if report:
         lines = list(sentences(found)) if found else []
-        write_whole(report_path(folder), estimate_page(dataset, known, lines, content(drawn[SHEET], "png")))
+        write_whole(report_path(folder), estimate_page(dataset, known, lines, picture))
         paths.append(report_path(folder))
     if as_json:
         say(*answer(found, known, paths).split("\n"))
@@ -165,6 +164,18 @@ def estimate(
         complain(sentence)
     if ended:
         sys.exit(NUMERICAL)
+
+
+def _drawn(dataset: xr.Dataset, folder: Path, figures: bool, report: bool) -> tuple[bytes, list[Path]]:
+    """The sheet as a PNG for the report, and the files that it was written to, each if it is wanted."""
+    if not figures and not report:
+        return b"", []
+    from ..figures.estimate import estimate_sheet  # here, since matplotlib takes as long to come as a run
+    from ..figures.page import content, write_figures
+
+    sheet = estimate_sheet(dataset)
+    paths = write_figures({SHEET: sheet}, folder, _STEM) if figures else []
+    return content(sheet, "png") if report else b"", paths
 
 
 @contextlib.contextmanager

@@ -6,8 +6,9 @@ from pathlib import Path
 
 import click
 
+from ..estimate.files import SHEET
 from ..estimate.schema import check_estimates
-from ..figures.estimate import SHEET, estimate_sheet
+from ..figures.estimate import estimate_sheet
 from ..figures.muscle_curves import curve_figure
 from ..figures.page import write_figures
 from ..figures.run import save_figures

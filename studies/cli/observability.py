@@ -12,11 +12,10 @@ import xarray as xr
 from click.core import ParameterSource
 
 from ...observers.observability import TOLERANCE
-from ..figures.observability import along_figure, map_figure
-from ..figures.page import figure_paths, write_figures
 from ..files.datasets.netcdf import save_netcdf
 from ..files.errors import ScenarioError
 from ..files.numbers import parse_number
+from ..files.pictures import figure_paths
 from ..files.quote import shown
 from ..files.writing import refuse_overwriting, writable_folder
 from ..laboratory.mechanisms.reading import read_mechanism
@@ -107,12 +106,16 @@ def observability(
     tell = complain if as_json else say
     if along:
         with bar("along the run") as advance:
+            from ..figures.observability import along_figure  # here, since matplotlib takes as long to come as a run
+
             data = rank_along(prepared, question, limit, advance)
             paths = _write(data, along_figure(data), folder, stem, "along")
         tell(f"along the run, {ranks_along(data)}")
         tell(written(paths))
     if axes is not None:
         with bar("over the map") as advance:
+            from ..figures.observability import map_figure  # here, since matplotlib takes as long to come as a run
+
             data = over(question, names, here.point, tolerance=limit, progress=advance)
             paths = _write(data, map_figure(data, question), folder, stem, _map_key(names))
         tell(f"over the map, {ranks_over(data)}")
@@ -171,6 +174,8 @@ def _tolerance(typed: str | None) -> float:
 def _write(data: xr.Dataset, figure: Figure, folder: Path, stem: str, key: str) -> list[Path]:
     path, *_ = _paths(folder, stem, key)
     save_netcdf(data, path)
+    from ..figures.page import write_figures  # here, since matplotlib takes as long to come as a run
+
     return [path, *write_figures({key: figure}, folder, stem)]
 
 

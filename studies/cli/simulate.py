@@ -9,13 +9,12 @@ from pathlib import Path
 import click
 import xarray as xr
 
-from ..figures.page import figure_paths
-from ..figures.run import FIGURES, save_figures
+from ..files.pictures import figure_paths
 from ..files.writing import refuse_overwriting, writable_folder
 from ..scenarios.layers import Value
 from ..scenarios.prepare import prepare
 from ..scenarios.scenario import parse_change
-from ..simulate.files import run_paths, save
+from ..simulate.files import FIGURES, run_paths, save
 from ..simulate.run import RunWarning, simulate_prepared
 from .reports.simulate import failures, notes, tables
 from .reports.written import written
@@ -69,6 +68,8 @@ def simulate(
             dataset = simulate_prepared(prepared, advance)
         paths = save(dataset, folder)
         if not no_figures:
+            from ..figures.run import save_figures  # here, since matplotlib takes as long to come as a run
+
             with bar(f"{name}: drawing"):
                 paths += save_figures(dataset, folder, name)
         _print_report(dataset)

@@ -12,13 +12,13 @@ import click
 import xarray as xr
 
 from ...observers.score import MEASURES
-from ..figures.sweep.figures import save_sweep_figures, sweep_figure_paths
 from ..files.errors import ClusterError, ScenarioError
 from ..files.numbers import typed_whole
 from ..files.quote import escaped, shown
 from ..files.writing import refuse_overwriting, writable_folder
 from ..scenarios.layers import Value
 from ..sweep.axes import DESIGNS, Values
+from ..sweep.pictures import sweep_figure_paths
 from ..sweep.plan import MANY_RUNS, plan
 from ..sweep.run import engine, sweep_planned
 from .reports.sweep import notes, step_table, tables
@@ -118,6 +118,8 @@ def _written(dataset: xr.Dataset, path: Path, no_figures: bool) -> list[str]:
     written = f"written to {path}"
     if no_figures:
         return [written]
+    from ..figures.sweep.figures import save_sweep_figures  # here, since matplotlib takes as long to come as a run
+
     with bar("drawing"):
         drawn, sentence = save_sweep_figures(dataset, path.parent, path.stem)
     names = "".join(f", {figure.name} and .pdf" for figure in drawn if figure.suffix == ".png")

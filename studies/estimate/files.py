@@ -23,6 +23,10 @@ _SCORES, _REPORT = "scores.csv", "estimates.html"
 _HAT, _DEVIATIONS = "_hat", ("_sd", "_sd_muscle")
 
 
+# the figure of estimates
+SHEET = "sheet"
+
+
 def estimate_paths(folder: Path, observers: Sequence[str], scored: bool) -> list[Path]:
     """The files of the estimates of some observers: `estimates.nc`, `.csv`, an `.sto` of each, and the scores."""
     alone = len(observers) == 1

@@ -24,8 +24,6 @@ from . import style
 from .page import above, settings
 from .traces import line, with_margin
 
-# what the figure is called
-SHEET = "sheet"
 # points of a line that a page can show
 _MOST_POINTS = 4000
 # inches: a panel, and one that is looked at most

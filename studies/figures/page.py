@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import itertools
 import warnings
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -13,12 +13,13 @@ import matplotlib
 from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 
+from ..files.pictures import KINDS, figure_paths
 from ..files.writing import refuse_overwriting, write_whole
 from . import style
 
 # entries of a legend that a page is wide enough for
 _COLUMNS = 5
-# the kinds of files, and how each is kept from saying when it was made
+# how each kind of file is kept from saying when it was made
 _UNDATED: Mapping[str, dict[str, None]] = {"png": {"Software": None}, "pdf": {"CreationDate": None}}
 
 
@@ -37,11 +38,6 @@ def settings() -> Iterator[None]:
         yield
 
 
-def figure_paths(folder: str | Path, stem: str, keys: Iterable[str]) -> list[Path]:
-    """The files of the figures that `write_figures` writes, in its order."""
-    return [Path(folder) / f"{stem}-{key}.{kind}" for key in keys for kind in _UNDATED]
-
-
 def write_figures(drawn: Mapping[str, Figure], folder: str | Path, stem: str) -> list[Path]:
     """Write figures as `STEM-KEY.png` and `.pdf`, without a date. ResultError if one cannot be written.
 
@@ -49,7 +45,7 @@ def write_figures(drawn: Mapping[str, Figure], folder: str | Path, stem: str) ->
     """
     paths = figure_paths(folder, stem, drawn)
     refuse_overwriting(paths)
-    for path, (figure, kind) in zip(paths, itertools.product(drawn.values(), _UNDATED), strict=True):
+    for path, (figure, kind) in zip(paths, itertools.product(drawn.values(), KINDS), strict=True):
         write_whole(path, content(figure, kind))
     return paths
 

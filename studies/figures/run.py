@@ -22,6 +22,7 @@ from ...model.curves.tendon import Tendon, tendon
 from ...model.symbols import MUSCLES, SIGNALS, hat, kind_of, signal_of
 from ...observers import label
 from ..files.quote import drawn
+from ..simulate.files import FIGURES
 from ..simulate.schema import curves_by_muscle
 from ..simulate.series import series
 from . import style
@@ -29,7 +30,6 @@ from .page import above, settings, write_figures
 from .traces import line, traces
 from .views import Flags, infeasible, limits, slack, start, true
 
-FIGURES = ("phi_s", "reference", "states", "inputs", "activations")
 # what the last three show
 _KINDS = (("q", "dq", "L_S"), ("Delta", "u"), ("a",))
 

@@ -11,10 +11,13 @@ from ...model.symbols import hat, kind_of, owner_of
 from ..files.datasets.netcdf import save_netcdf
 from ..files.tables import Series, csv_text, or_empty, write_csv
 from ..files.writing import write_whole
-from .measures import SENTENCES
+from .measures import SENTENCES, numbers
 from .recording import recording_columns
 from .schema import FILE
 from .series import series
+
+# the figures of a run
+FIGURES = ("phi_s", "reference", "states", "inputs", "activations")
 
 
 def run_paths(folder: Path, stem: str, mechanism: bool) -> list[Path]:
@@ -75,14 +78,12 @@ def columns(dataset: xr.Dataset) -> Iterator[Series]:
 
 def measures_csv(dataset: xr.Dataset) -> str:
     """One row per estimator and quantity; empty where a measure is not defined."""
-    keys = list(SENTENCES)
+    measures = {key: numbers(dataset[key]) for key in SENTENCES}
     rows = [
-        [dataset.attrs["scenario"], dataset.attrs["seed"], estimator, quantity]
-        + [or_empty(float(dataset[key].sel(estimator=estimator, quantity=quantity))) for key in keys]
-        for estimator in dataset.estimator.values
-        for quantity in dataset.quantity.values
+        [dataset.attrs["scenario"], dataset.attrs["seed"], *of, *(or_empty(each[of]) for each in measures.values())]
+        for of in measures["rmse"]
     ]
-    return csv_text([["scenario", "seed", "observer", "quantity", *keys], *rows])
+    return csv_text([["scenario", "seed", "observer", "quantity", *measures], *rows])
 
 
 def _series(name: str, array: xr.DataArray) -> Series:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import functools
+import itertools
 import math
 from collections.abc import Mapping, Sequence
 
 import casadi as ca
 import numpy as np
+import xarray as xr
 from numpy.typing import ArrayLike
 
 from ...codegen.memory import Grid
@@ -71,3 +73,10 @@ def measures_of(score: tuple[str, ...], quantities: tuple[str, ...], names: tupl
     table = ca.vertcat(*(value(measure, name) for measure in names for name in quantities))
     arguments, given = [column, h, steps, window], ["sums", "h", "steps", "window"]
     return ca.Function("measures", arguments, [ca.densify(table)], given, ["values"])
+
+
+def numbers(measure: xr.DataArray) -> dict[tuple[str, str], float]:
+    """(estimator, quantity) → number. To ask xarray for each takes longer than the run."""
+    table = measure.transpose("estimator", "quantity")
+    names = itertools.product(table.estimator.values.tolist(), table.quantity.values.tolist())
+    return dict(zip(names, table.values.ravel().tolist(), strict=True))

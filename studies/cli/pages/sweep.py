@@ -6,12 +6,14 @@ import itertools
 from pathlib import Path
 
 from ....observers import PAPER
-from ...figures.page import figure_paths, write_figures
+from ...figures.page import write_figures
 from ...figures.sweep.curves import curves
-from ...figures.sweep.figures import SHOWN, save_sweep_figures, sweep_figure_paths
+from ...figures.sweep.figures import SHOWN, save_sweep_figures
 from ...files.datasets.netcdf import save_netcdf
+from ...files.pictures import figure_paths
 from ...files.writing import refuse_overwriting, writable_folder
 from ...sweep.axes import Range, axes
+from ...sweep.pictures import sweep_figure_paths
 from ...sweep.run import sweep
 from ..reports.sweep import notes, tables
 from ..shell.stopping import stoppable

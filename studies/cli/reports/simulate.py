@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 
 import numpy as np
 import xarray as xr
@@ -13,6 +13,7 @@ from rich.text import Text
 from ....model.symbols import muscle_of
 from ....observers import label
 from ...scenarios.prepare import BASELINE
+from ...simulate.measures import numbers
 from ...simulate.series import label_of
 from ...simulate.step_error import SHOWN_FROM, error_of, relative
 from .conditions import violated_conditions
@@ -45,11 +46,10 @@ def tables(dataset: xr.Dataset) -> Iterator[tuple[str, Table]]:
 
 def _wide(dataset: xr.Dataset, key: str, shown: Sequence[str]) -> Table:
     """A column per quantity, below each number what the step makes of it."""
-    table = _table(shown)
+    table, cell, parts = _table(shown), _cells(dataset, key), _step_errors(dataset, key)
     for estimator in _rows(dataset, key):
-        cells = [_cell(dataset, key, estimator, quantity) for quantity in shown]
-        table.add_row(Text(label(estimator)), *cells)
-        errors = [_step_error(dataset, key, estimator, quantity) for quantity in shown]
+        table.add_row(Text(label(estimator)), *(cell(estimator, quantity) for quantity in shown))
+        errors = [parts[estimator, quantity] for quantity in shown]
         if any(error >= SHOWN_FROM for error in errors):
             table.add_row(_BY_STEP, *(percent(error) if error >= SHOWN_FROM else "" for error in errors))
     return table
@@ -57,14 +57,13 @@ def _wide(dataset: xr.Dataset, key: str, shown: Sequence[str]) -> Table:
 
 def _long(dataset: xr.Dataset, key: str, shown: Sequence[str]) -> Table:
     """A row per quantity, beside each number what the step makes of it."""
-    rows = _rows(dataset, key)
-    errors = {(who, q): _step_error(dataset, key, who, q) for who in rows for q in shown}
+    rows, cell, errors = _rows(dataset, key), _cells(dataset, key), _step_errors(dataset, key)
     coarse = [who for who in rows if any(errors[who, q] >= SHOWN_FROM for q in shown)]
     table = _table([words for who in rows for words in (label(who), *([_BY_STEP.strip()] if who in coarse else []))])
     for quantity in shown:
         cells: list[Text | str] = []
         for who in rows:
-            cells.append(_cell(dataset, key, who, quantity))
+            cells.append(cell(who, quantity))
             if who in coarse:
                 error = errors[who, quantity]
                 cells.append(percent(error) if error >= SHOWN_FROM else "")
@@ -88,7 +87,8 @@ def _quantities(dataset: xr.Dataset) -> list[str]:
 def notes(dataset: xr.Dataset) -> Iterator[str]:
     """Sentences below the tables: what the step and the marks mean, masked time, guards, gain conditions."""
     yield from _step_notes(dataset)
-    if _any_worse(dataset):
+    rmse = numbers(dataset.rmse)
+    if any(_worse(rmse, *of) for of in rmse):
         yield f"{_WORSE} worse than the baseline: raw outputs, a constant Δ, zero velocity and zero inputs"
     masked = dataset.masked.sel(estimator="baseline")
     of_muscle: dict[str, list[str]] = {}
@@ -146,25 +146,30 @@ def _rows(dataset: xr.Dataset, key: str) -> list[str]:
     return [name for name in estimators if key == "rmse" or name != BASELINE]
 
 
-def _cell(dataset: xr.Dataset, key: str, estimator: str, quantity: str) -> Text:
-    value = float(dataset[key].sel(estimator=estimator, quantity=quantity))
-    worse = key == "rmse" and _worse(dataset, estimator, quantity)
-    return Text(number(value) + (_WORSE if worse else ""), style="red" if worse else "")
+def _cells(dataset: xr.Dataset, key: str) -> Callable[[str, str], Text]:
+    """The measure of an estimator and a quantity as a cell of a table."""
+    values, rmse = numbers(dataset[key]), numbers(dataset.rmse)
+
+    def cell(estimator: str, quantity: str) -> Text:
+        worse = key == "rmse" and _worse(rmse, estimator, quantity)
+        return Text(number(values[estimator, quantity]) + (_WORSE if worse else ""), style="red" if worse else "")
+
+    return cell
 
 
-def _step_error(dataset: xr.Dataset, key: str, estimator: str, quantity: str) -> float:
-    """The error that the step makes as a fraction of the measure; NaN where there is no measure."""
-    measure, error = (float(dataset[name].sel(estimator=estimator, quantity=quantity)) for name in (key, error_of(key)))
-    return float(relative(error, measure))
+def _step_errors(dataset: xr.Dataset, key: str) -> dict[tuple[str, str], float]:
+    """The errors that the step makes as fractions of the measures; NaN where there is no measure."""
+    measure = dataset[key]
+    return numbers(measure.copy(data=relative(dataset[error_of(key)].transpose(*measure.dims), measure)))
 
 
 def _step_notes(dataset: xr.Dataset) -> Iterator[str]:
     """How good the step is, and what the rows of it mean."""
     step = json.loads(dataset.attrs["parameters"])["step"]
-    errors = {
-        key: {(who, q): _step_error(dataset, key, who, q) for who in _rows(dataset, key) for q in _quantities(dataset)}
-        for key in _TITLES
-    }
+    errors = {}
+    for key in _TITLES:
+        rows = _rows(dataset, key)
+        errors[key] = {of: part for of, part in _step_errors(dataset, key).items() if of[0] in rows}
     if known := {where: error for where, error in errors["rmse"].items() if error == error}:
         (estimator, quantity), largest = max(known.items(), key=lambda item: item[1])
         yield f"error of the step {step:g}: at most {percent(largest)} of an RMSE ({label(estimator)} {quantity})"
@@ -172,12 +177,6 @@ def _step_notes(dataset: xr.Dataset) -> Iterator[str]:
         yield f"{_BY_STEP}: that error as part of the number above it, from {percent(SHOWN_FROM)} on"
 
 
-def _worse(dataset: xr.Dataset, estimator: str, quantity: str) -> bool:
-    rmse = dataset.rmse.sel(quantity=quantity)
-    trivial = float(rmse.sel(estimator="baseline"))
+def _worse(rmse: Mapping[tuple[str, str], float], estimator: str, quantity: str) -> bool:
     # a baseline of 0 is the exact output of a run without noise
-    return 0 < trivial < float(rmse.sel(estimator=estimator))
-
-
-def _any_worse(dataset: xr.Dataset) -> bool:
-    return any(_worse(dataset, e, q) for e in dataset.estimator.values for q in _quantities(dataset))
+    return 0 < rmse[BASELINE, quantity] < rmse[estimator, quantity]

@@ -11,6 +11,7 @@ from pathlib import Path
 from types import ModuleType
 
 from ....model.block import Block
+from ...files.dask import let_in
 from ...files.errors import ScenarioError
 from ...files.quote import short, shown
 from ...files.reading import cause, read_whole
@@ -67,6 +68,7 @@ def _run(path: Path) -> ModuleType:
     module.__file__ = str(path)
     # dataclasses look for their module here
     sys.modules[module.__name__] = module
+    let_in()  # the file may import whatever is installed
     with _told(path):
         loader.exec_module(module)
     return module
