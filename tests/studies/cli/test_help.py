@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from click.shell_completion import shell_complete
 
-from command_line import in_a_process
+from command_line import SHORT, in_a_process
 from hillobs.studies.cli.main import commands
 from places import DOCS
 
@@ -96,3 +96,25 @@ def test_help_is_quick_because_heavy_modules_wait() -> None:
     heavy = "('casadi', 'matplotlib', 'xarray')"
     code = f"import sys, hillobs.studies.cli.main; print([m for m in {heavy} if m in sys.modules])"
     assert in_a_process("-c", code).stdout == "[]\n"
+
+
+def test_a_run_without_figures_waits_for_neither_matplotlib_nor_dask(tmp_path: Path) -> None:
+    code = f"""
+import atexit, sys
+from hillobs.__main__ import main
+atexit.register(lambda: print(sorted({{"dask", "matplotlib"}} & {{name for name, it in sys.modules.items() if it}})))
+sys.argv = ["hillobs", "simulate", "paper-clean", "--no-figures", "--out", {str(tmp_path)!r}, *{SHORT!r}]
+main()
+"""
+    assert in_a_process("-c", code).stdout.endswith("\n[]\n")
+
+
+def test_the_file_of_an_observer_may_import_dask(tmp_path: Path) -> None:
+    (tmp_path / "my.py").write_text("import dask, hillobs\nmine = hillobs.Block('mine')\n", encoding="utf-8")
+    code = f"""
+from hillobs.studies.files.dask import leave_out
+leave_out()
+from hillobs.studies.cli.shell.own_observers import loaded
+print(loaded([{str(tmp_path / "my.py:mine")!r}])[0].name)
+"""
+    assert in_a_process("-c", code).stdout == "mine\n"
