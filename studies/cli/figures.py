@@ -15,6 +15,7 @@ from ..figures.run import save_figures
 from ..figures.sweep.figures import save_sweep_figures
 from ..files.datasets.netcdf import load
 from ..files.errors import ResultError
+from ..files.pictures import PNG, WITH_PDF
 from ..files.writing import writable_folder
 from ..simulate.schema import check_run
 from ..sweep.schema import check_sweep
@@ -23,12 +24,14 @@ from .shell.terminal import say
 
 # the variable that only a run has, or a sweep, or estimates
 _CHECKS = {"x_hat": check_run, "failed_at": check_sweep, "activation_hat": check_estimates}
+_pdf = click.option("--pdf", is_flag=True, help="As PDF too.")
 
 
 @click.command()
 @click.argument("result", type=click.Path(path_type=Path))
 @click.option("--out", type=click.Path(path_type=Path), help="Where figures are written; beside RESULT by default.")
-def figures(result: Path, out: Path | None) -> None:
+@_pdf
+def figures(result: Path, out: Path | None, pdf: bool) -> None:
     """Draw the figures of RESULT.nc, a run, a sweep or estimates, again without a run."""
     dataset = load(result)
     kind = next((name for name in _CHECKS if name in dataset), None)
@@ -39,13 +42,13 @@ def figures(result: Path, out: Path | None) -> None:
     except ResultError as error:
         raise ResultError(f"{result} cannot be drawn: {error}") from error
     folder = writable_folder(out or result.parent)
-    sentence = ""
+    sentence, kinds = "", WITH_PDF if pdf else PNG
     if kind == "failed_at":
-        paths, sentence = save_sweep_figures(dataset, folder, result.stem)
+        paths, sentence = save_sweep_figures(dataset, folder, result.stem, kinds)
     elif kind == "x_hat":
-        paths = save_figures(dataset, folder, result.stem)
+        paths = save_figures(dataset, folder, result.stem, kinds)
     else:
-        paths = write_figures({SHEET: estimate_sheet(dataset)}, folder, result.stem)
+        paths = write_figures({SHEET: estimate_sheet(dataset)}, folder, result.stem, kinds)
     if sentence:
         say(sentence)
     if paths:
@@ -54,6 +57,8 @@ def figures(result: Path, out: Path | None) -> None:
 
 @click.command()
 @click.option("--out", type=click.Path(path_type=Path), default=Path("results"), help="Where the figure is written.")
-def curves(out: Path) -> None:
+@_pdf
+def curves(out: Path, pdf: bool) -> None:
     """Draw the muscle's curves of every publication side by side; `list curves` describes them."""
-    say(written(write_figures({"sets": curve_figure()}, writable_folder(out), "curves")))
+    kinds = WITH_PDF if pdf else PNG
+    say(written(write_figures({"sets": curve_figure()}, writable_folder(out), "curves", kinds)))

@@ -122,7 +122,7 @@ def _written(dataset: xr.Dataset, path: Path, no_figures: bool) -> list[str]:
 
     with bar("drawing"):
         drawn, sentence = save_sweep_figures(dataset, path.parent, path.stem)
-    names = "".join(f", {figure.name} and .pdf" for figure in drawn if figure.suffix == ".png")
+    names = "".join(f", {figure.name}" for figure in drawn)
     return [*filter(None, [sentence]), f"{written}{names}"]
 
 

@@ -13,7 +13,7 @@ import matplotlib
 from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 
-from ..files.pictures import KINDS, figure_paths
+from ..files.pictures import PNG, figure_paths
 from ..files.writing import refuse_overwriting, write_whole
 from . import style
 
@@ -38,14 +38,14 @@ def settings() -> Iterator[None]:
         yield
 
 
-def write_figures(drawn: Mapping[str, Figure], folder: str | Path, stem: str) -> list[Path]:
-    """Write figures as `STEM-KEY.png` and `.pdf`, without a date. ResultError if one cannot be written.
+def write_figures(drawn: Mapping[str, Figure], folder: str | Path, stem: str, kinds: Sequence[str] = PNG) -> list[Path]:
+    """Write figures as `STEM-KEY.KIND`, "png" or "pdf", without a date. ResultError if one cannot be written.
 
     If one is there that `refuse_overwriting` refuses, none is written.
     """
-    paths = figure_paths(folder, stem, drawn)
+    paths = figure_paths(folder, stem, drawn, kinds)
     refuse_overwriting(paths)
-    for path, (figure, kind) in zip(paths, itertools.product(drawn.values(), KINDS), strict=True):
+    for path, (figure, kind) in zip(paths, itertools.product(drawn.values(), kinds), strict=True):
         write_whole(path, content(figure, kind))
     return paths
 

@@ -21,6 +21,7 @@ from ...model.arrays import Array
 from ...model.curves.tendon import Tendon, tendon
 from ...model.symbols import MUSCLES, SIGNALS, hat, kind_of, signal_of
 from ...observers import label
+from ..files.pictures import PNG
 from ..files.quote import drawn
 from ..simulate.files import FIGURES
 from ..simulate.schema import curves_by_muscle
@@ -67,9 +68,9 @@ def _name_changes(figure: Figure, dataset: xr.Dataset) -> None:
             figure.suptitle(words, fontsize=_TITLE)
 
 
-def save_figures(dataset: xr.Dataset, folder: str | Path, stem: str) -> list[Path]:
-    """Write every figure as `STEM-KEY.png` and `.pdf`; the same run gives the same bytes."""
-    return write_figures(figures(dataset), folder, stem)
+def save_figures(dataset: xr.Dataset, folder: str | Path, stem: str, kinds: Sequence[str] = PNG) -> list[Path]:
+    """Write every figure as `STEM-KEY.KIND`; the same run gives the same bytes."""
+    return write_figures(figures(dataset), folder, stem, kinds)
 
 
 def phi_s(dataset: xr.Dataset) -> Figure:

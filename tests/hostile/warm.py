@@ -123,7 +123,10 @@ def _load() -> None:
 
     for module, _ in _COMMANDS.values():
         importlib.import_module(f"hillobs.studies.cli.{module}")
-    for name in ("h5netcdf", "matplotlib.backends.backend_agg", "matplotlib.backends.backend_pdf", "scipy.stats.qmc"):
+    # what commands import when they draw
+    drawers = [f"hillobs.studies.figures.{name}" for name in ("estimate", "observability", "run", "sweep.figures")]
+    backends = [f"matplotlib.backends.backend_{name}" for name in ("agg", "pdf")]
+    for name in ("h5netcdf", "scipy.stats.qmc", *drawers, *backends):
         importlib.import_module(name)
 
 

@@ -104,7 +104,7 @@ def test_what_is_wrong_with_curves_is_said(changes: dict[str, str | float], mess
 
 
 def test_every_set_is_drawn_and_listed(tmp_path: Path) -> None:
-    ran = CliRunner().invoke(commands, ["curves", "--out", str(tmp_path)])
+    ran = CliRunner().invoke(commands, ["curves", "--pdf", "--out", str(tmp_path)])
     assert ran.exit_code == 0, ran.output
     assert sorted(contents(tmp_path)) == ["curves-sets.pdf", "curves-sets.png"]
     figure = curve_figure()

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import xarray as xr
 from matplotlib.figure import Figure
 
 from ....observers import label
+from ...files.pictures import PNG
 from ...sweep.optimum import axes_of, depends, shown_of
 from ...sweep.pictures import CURVES, MOST_COLUMNS, POINTS, map_of, possible
 from ..page import write_figures
@@ -39,7 +41,9 @@ def sweep_figures(dataset: xr.Dataset) -> tuple[dict[str, Figure], str]:
     return drawn, f"no map of {', '.join(still)}: {' and '.join(paths)} do not change it" if still else ""
 
 
-def save_sweep_figures(dataset: xr.Dataset, folder: str | Path, stem: str) -> tuple[list[Path], str]:
-    """Write every figure as `STEM-KEY.png` and `.pdf`; the paths, and the sentence of `sweep_figures`."""
+def save_sweep_figures(
+    dataset: xr.Dataset, folder: str | Path, stem: str, kinds: Sequence[str] = PNG
+) -> tuple[list[Path], str]:
+    """Write every figure as `STEM-KEY.KIND`; the paths, and the sentence of `sweep_figures`."""
     drawn, sentence = sweep_figures(dataset)
-    return write_figures(drawn, folder, stem), sentence
+    return write_figures(drawn, folder, stem, kinds), sentence

@@ -14,12 +14,12 @@ def test_figures_lie_beside_the_result_and_are_drawn_again(command, tmp_path: Pa
     code, out, err = command(*SWEEP, "--over", "high_gain.eps_h=0.05,0.1,0.2", "--out", "here/eps.nc")
     assert (code, err) == (0, "")
     assert "computed 6 runs in " in out
-    assert out.endswith("written to here/eps.nc, eps-curves.png and .pdf\n")
+    assert out.endswith("written to here/eps.nc, eps-curves.png\n")
     first = {path.name: path.read_bytes() for path in (tmp_path / "here").glob("*.p*")}
-    assert sorted(first) == ["eps-curves.pdf", "eps-curves.png"]
+    assert sorted(first) == ["eps-curves.png"]
     assert command("figures", "here/eps.nc", "--out", "again")[:2] == (
         0,
-        "written to again/: 1 figure as PNG and PDF\n",
+        "written to again/: 1 figure as PNG\n",
     )
     assert contents(tmp_path / "again") == first
 

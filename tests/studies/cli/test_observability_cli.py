@@ -32,7 +32,7 @@ def test_observability_answers_with_its_exit_code(command, tmp_path: Path) -> No
     assert code == 0
     assert "along the run, rank 4 for 6." in out
     assert "over the map, rank 4 on 9" in out
-    assert len(contents(tmp_path / "o")) == 6
+    assert len(contents(tmp_path / "o")) == 4
 
 
 def test_the_times_of_all_ranks_add_up_to_the_run() -> None:

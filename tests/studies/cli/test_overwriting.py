@@ -71,7 +71,7 @@ def test_figures_write_over_no_other_file(command: Command, tmp_path: Path) -> N
     command(*WRITERS["sweep over one"], "--no-figures")
     (tmp_path / "x-curves.pdf").write_text("mine")
     before = contents(tmp_path)
-    assert_refused(command("figures", "x.nc"), "x-curves.pdf")
+    assert_refused(command("figures", "x.nc", "--pdf"), "x-curves.pdf")
     assert contents(tmp_path) == before
 
 

@@ -81,7 +81,7 @@ def test_the_same_recording_gives_the_same_files(
     assert "RMSE" not in out
     both = [contents(Path(folder)) for folder in "ab"]
     assert both[0] == both[1]
-    names = ("estimates-sheet.pdf", "estimates-sheet.png", "estimates.csv", "estimates.nc", "estimates.sto")
+    names = ("estimates-sheet.png", "estimates.csv", "estimates.nc", "estimates.sto")
     assert sorted(both[0]) == sorted(names)
     assert command("figures", "a/estimates.nc", "--out", "drawn")[0] == 0
     for name, drawn in contents(Path("drawn")).items():

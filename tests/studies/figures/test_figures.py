@@ -16,6 +16,7 @@ from hillobs.studies.figures import style
 from hillobs.studies.figures.run import estimates, figures, save_figures
 from hillobs.studies.figures.views import series, start
 from hillobs.studies.files.errors import ResultError
+from hillobs.studies.files.pictures import WITH_PDF
 from hillobs.studies.simulate.run import simulate
 from places import contents
 
@@ -247,7 +248,7 @@ def test_the_same_run_gives_the_same_files(clean, tmp_path):
     again = xr.load_dataset(tmp_path / "run.nc", engine="h5netcdf")
     for name, dataset in (("one", clean), ("two", again)):
         (tmp_path / name).mkdir()
-        written = save_figures(dataset, tmp_path / name, "run")
+        written = save_figures(dataset, tmp_path / name, "run", WITH_PDF)
         assert sorted(path.name for path in written) == sorted(contents(tmp_path / name))
     assert {path.name for path in written} == {
         f"run-{key}.{kind}" for key in ("phi_s", "reference", *ROWS) for kind in ("png", "pdf")

@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 
 from hillobs.studies.figures.sweep.figures import save_sweep_figures
+from hillobs.studies.files.pictures import WITH_PDF
 from hillobs.studies.sweep.run import sweep
 from places import contents
 from short_sweeps import SHORT, drawn, legend, replaced
@@ -39,7 +40,7 @@ def test_the_same_sweep_gives_the_same_files(layer: xr.Dataset, plane: xr.Datase
     for name in ("one", "two"):
         (tmp_path / name).mkdir()
         for stem, dataset in (("layer", layer), ("plane", plane)):
-            save_sweep_figures(dataset.sel(quantity=["x2", "a1"]), tmp_path / name, stem)
+            save_sweep_figures(dataset.sel(quantity=["x2", "a1"]), tmp_path / name, stem, WITH_PDF)
     first, second = (contents(tmp_path / name) for name in ("one", "two"))
     assert first == second
     assert len(first) == 4
