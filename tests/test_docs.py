@@ -155,7 +155,7 @@ def test_the_commands_of_a_page_exist_with_their_options(page: Path, desk: Path)
 # what a page asks for that is not here: another host, and what changes the reader's own Python
 ELSEWHERE = re.compile(r"HOST|^(?:pip install|git clone|openssl) ", re.MULTILINE)
 # a step on a command line, with the lines that it goes on in
-INDENTED = re.compile(r"^ {4}((?:zcat\b.*\| *)?hillobs\b.*)$", re.MULTILINE)
+INDENTED = re.compile(r"^ {4}((?:zcat\b.*\| *|for\b.*; do )?hillobs\b.*)$", re.MULTILINE)
 
 
 def scripts_of(page: Path) -> list[str]:
@@ -176,6 +176,8 @@ def test_the_commands_of_a_page_run(page: Path, desk: Path) -> None:
     for name in ("arm26_paths.xml", "arm26_paths_order5.xml"):
         (desk / name).symlink_to(DATA / "arm26_paths_order5.xml")
     (desk / "other.csv").write_bytes((desk / "run.csv").read_bytes())
+    (desk / "runs").mkdir()
+    (desk / "runs" / "one.csv").symlink_to(desk / "run.csv")
     (desk / "my.py").write_text(python_of(DOCS / "observers.md").partition("run = ")[0], encoding="utf-8")
     with gzip.open(RECORDINGS / "dgf_smooth_noisy.csv.gz", "rt", encoding="utf-8") as file:
         measured = [",".join(line.split(",")[:4]).replace("_measured", "") for line in file]

@@ -13,7 +13,7 @@ from pathlib import Path
 import click
 import xarray as xr
 
-from ..estimate.files import SHEET, estimate_paths, refuse_replacing, report_path, save_again, save_estimates
+from ..estimate.files import SHEET, STEM, estimate_paths, refuse_replacing, report_path, save_again, save_estimates
 from ..estimate.run import KALMAN, compile_observers
 from ..estimate.run import estimate as estimated
 from ..estimate.scores import scores
@@ -45,8 +45,6 @@ from .shell.subjects import subject_asked_for, subject_options
 from .shell.terminal import NUMERICAL, bar, complain, print_table, say
 
 _KALMAN_TOO = "--observer kalman also says what noise leaves open, smooths, and judges recording and muscles"
-# what the figures begin with
-_STEM = "estimates"
 
 
 @click.command()
@@ -107,7 +105,7 @@ def estimate(
     times.append(time.monotonic())
     sheet = [] if no_figures else [SHEET]
     paths = estimate_paths(folder, tuple(observers_named(chosen)), bool(read.true))
-    refuse_replacing(folder, [*paths, *figure_paths(folder, _STEM, sheet), *[report_path(folder)] * report])
+    refuse_replacing(folder, [*paths, *figure_paths(folder, STEM, sheet), *[report_path(folder)] * report])
     with bar("following") as progress:
         compile_observers(subject, chosen, corrected)
         # following ends with its last progress: making a Dataset imports half of dask, which no observer costs
@@ -174,7 +172,7 @@ def _drawn(dataset: xr.Dataset, folder: Path, figures: bool, report: bool) -> tu
     from ..figures.page import content, write_figures
 
     sheet = estimate_sheet(dataset)
-    paths = write_figures({SHEET: sheet}, folder, _STEM) if figures else []
+    paths = write_figures({SHEET: sheet}, folder, STEM) if figures else []
     return content(sheet, "png") if report else b"", paths
 
 

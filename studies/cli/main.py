@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import difflib
 import importlib
 import logging
 import os
@@ -13,6 +14,7 @@ from typing import TextIO
 
 import click
 
+from ..files.quote import short, shown
 from ..files.reading import remembered_reading
 from .shell.terminal import USAGE, complain, say, user_errors
 
@@ -57,6 +59,13 @@ class _Commands(click.Group):
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         with formatter.section("Commands"):
             formatter.write_dl([(name, sentence) for name, (_, sentence) in _COMMANDS.items()])
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        if args and args[0] not in _COMMANDS and (near := difflib.get_close_matches(short(args[0]), _COMMANDS)):
+            ctx.fail(f"there is no command {shown(args[0])}; the nearest are {', '.join(near)}")
+        return super().resolve_command(ctx, args)
 
     def invoke(self, ctx: click.Context) -> object:
         with remembered_reading(), user_errors():

@@ -10,6 +10,7 @@ from pathlib import Path
 import xarray as xr
 
 from ..files.datasets.netcdf import save_netcdf
+from ..files.pictures import WITH_PDF, figure_paths
 from ..files.progress import Progress, shares, unseen
 from ..files.tables import Series, write_csv, write_sto
 from ..files.writing import refuse_overwriting, refuse_read, remove_ours, write_whole
@@ -17,14 +18,12 @@ from ..laboratory.subject import subject_again
 from .dataset import joint_units
 from .scores import ESTIMATED, Score, scores_csv
 
+# the figure of estimates, and what its files begin with
+SHEET, STEM = "sheet", "estimates"
 _TITLE = "estimates of {observer} from {source}"
 _SCORES, _REPORT = "scores.csv", "estimates.html"
 # what follows the name of an estimate; the part from noise follows from the other two
 _HAT, _DEVIATIONS = "_hat", ("_sd", "_sd_muscle")
-
-
-# the figure of estimates
-SHEET = "sheet"
 
 
 def estimate_paths(folder: Path, observers: Sequence[str], scored: bool) -> list[Path]:
@@ -43,8 +42,8 @@ def save_estimates(dataset: xr.Dataset, scores: list[Score], folder: Path, progr
     """Write `estimates.nc`, `.csv`, an `.sto` per observer, and `scores.csv` if there are any; the paths written.
 
     The .sto files have the measured forces too, so each is a recording that can be read. What an earlier run has left
-    there of other observers, its report, and scores where there are none now, are removed; nothing that we have not
-    written is.
+    there of other observers, its report and figures, and scores where there are none now, are removed; nothing that we
+    have not written is.
     """
     observers = dataset.observer.values.tolist()
     paths = estimate_paths(folder, observers, bool(scores))
@@ -93,7 +92,8 @@ def refuse_replacing(folder: Path, paths: Sequence[Path]) -> None:
 
 def _leftovers(folder: Path, written: Sequence[Path]) -> list[Path]:
     """What would pass for a part of the new result if an earlier run has written it."""
-    candidates = [*sorted(folder.glob("estimates*.sto")), folder / _SCORES, report_path(folder)]
+    figures = figure_paths(folder, STEM, [SHEET], WITH_PDF)
+    candidates = [*sorted(folder.glob("estimates*.sto")), folder / _SCORES, report_path(folder), *figures]
     return [path for path in candidates if path not in written]
 
 

@@ -148,11 +148,14 @@ def choose(
         given = (asked, _written_unit(labels[index], plain[index], asked, quantity), units[index])
         usual = IN_DEGREES.get(quantity, SI[quantity]) if in_degrees else SI[quantity]
         columns[name] = Column(name, labels[index].strip(), index, _agreed(given, quantity, usual, labels[index]))
-    for name in (*(() if timeless else ("time",)), *known.required):
-        if name not in columns and f"{name}_measured" not in columns:
-            taken_by = [column.name for column in columns.values() if plain[column.index][0] == name]
-            why = f"{shown(name)} is mapped to {taken_by[0]}" if taken_by else _there(name, labels)
-            raise RecordingError(f"there is no column {name}; {why}")
+    needed = (*(() if timeless else ("time",)), *known.required)
+    if missing := [name for name in needed if name not in columns and f"{name}_measured" not in columns]:
+        name, *others = missing
+        taken_by = [column.name for column in columns.values() if plain[column.index][0] == name]
+        why = f"{shown(name)} is mapped to {taken_by[0]}" if taken_by else _there(name, labels)
+        too = f"; nor is there {' or '.join(others)}" if others else ""
+        cure = f"; a mapping says which it is: --map {name}=COLUMN[UNIT]" if any(map(str.strip, labels)) else ""
+        raise RecordingError(f"there is no column {name}; {why}{too}{cure}")
     return [columns[name] for name in known.known if name in columns]
 
 

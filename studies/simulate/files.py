@@ -9,8 +9,9 @@ import xarray as xr
 
 from ...model.symbols import hat, kind_of, owner_of
 from ..files.datasets.netcdf import save_netcdf
+from ..files.pictures import WITH_PDF, figure_paths
 from ..files.tables import Series, csv_text, or_empty, write_csv
-from ..files.writing import write_whole
+from ..files.writing import remove_ours, write_whole
 from .measures import SENTENCES, numbers
 from .recording import recording_columns
 from .schema import FILE
@@ -29,10 +30,13 @@ def run_paths(folder: Path, stem: str, mechanism: bool) -> list[Path]:
 def save(dataset: xr.Dataset, folder: Path) -> list[Path]:
     """The Dataset as NetCDF, its time series and its measures as CSV; the paths written.
 
-    That of a mechanism as a recording too, which `estimate` reads.
+    That of a mechanism as a recording too, which `estimate` reads. The figures that we have drawn of an earlier run of
+    this name are removed: they would pass for those of this one.
     """
     mechanism = FILE in dataset
     paths = run_paths(folder, dataset.attrs["run"], mechanism)
+    for path in figure_paths(folder, dataset.attrs["run"], FIGURES, WITH_PDF):
+        remove_ours(path)
     save_netcdf(dataset, paths[0])
     write_csv(paths[1], list(columns(dataset)))
     write_whole(paths[2], measures_csv(dataset).encode())

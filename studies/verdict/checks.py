@@ -8,13 +8,12 @@ import numpy as np
 
 from ...model.arrays import Array
 from ..estimate.case import Case
+from ..estimate.forces import weak
 from .finding import Finding, plain
 from .hanging import hanging
 
 # subjects of what no muscle measures
 UNMEASURED = ("force", "position", "fibre")
-# forces below this part of F_max are no forces of a muscle that works, or not in newtons
-_LEAST_FORCE = 0.005
 # optimal fibre lengths that a fibre can have, and the share of samples that may lie beyond
 _SHORTEST, _LONGEST, _SHARE = 0.3, 1.9, 0.05
 # a signal whose standard deviation is below so many of that of its noise stands still
@@ -40,13 +39,8 @@ def of_measurements(case: Case) -> Iterator[Finding]:
         largest = float(np.max(force)) * case.scales.force / muscle.F_max
         if not force.any():
             yield Finding("force", f"{name} is 0 throughout: a dead sensor, or a muscle that is slack", 0.0, True)
-        elif largest < _LEAST_FORCE:
-            yield Finding(
-                "force",
-                f"{name} is never above {largest:.2g} F_max of its muscle: it may be in kN, or F_max is another",
-                largest,
-                True,
-            )
+        elif sentence := weak(name, largest):
+            yield Finding("force", sentence, largest, True)
         elif _stands_still(force, size.sigma_F):
             yield _still("force", name, "a dead sensor or amplifier?", force)
     lengths, along = subject.fibres(positions, case.z)

@@ -22,7 +22,7 @@ def subject_options() -> Decorator:
 def subject_asked_for(muscles: str | None, mechanism: str | None) -> Subject:
     """The pair or the mechanism of a file. ScenarioError unless there is one of both, or for what is wrong in it."""
     if (muscles is None) == (mechanism is None):
-        raise ScenarioError("a recording needs --muscles FILE.toml, a pair, or --mechanism FILE.toml, one of them")
+        raise ScenarioError("a recording needs either --muscles FILE.toml, a pair, or --mechanism FILE.toml")
     if mechanism is not None:
         return subject_of(read_mechanism(mechanism))
     return pair_subject(read_muscles(str(muscles)))

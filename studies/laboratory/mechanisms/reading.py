@@ -49,6 +49,8 @@ def mechanism_of(content: Mapping[str, object], folder: Path | None = Path()) ->
 
     folder: where files of paths and of curves are looked for; None if there must be none.
     """
+    if "mass" in content:
+        raise ScenarioError("it has a mass and no joints, so it is a pair: --muscles, or read_muscles")
     refuse_unknown(content, _TOP, "")
     try:
         return _mechanism(content, folder)

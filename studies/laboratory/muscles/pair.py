@@ -88,6 +88,8 @@ def muscle_pair(content: Mapping[str, object], folder: Path | None = Path()) -> 
 
     folder: where files of curves are looked for; None if there must be none.
     """
+    if "joints" in content:
+        raise ScenarioError("it has joints, so it is a mechanism: --mechanism, or read_mechanism")
     common, *each = (section(content, name) for name in (COMMON, *MUSCLES))
     refuse_unknown(content, [*PAIR, "description", COMMON, *MUSCLES], "")
     tables = MuscleTables.read(common, dict(zip(MUSCLES, each, strict=True)), folder)

@@ -145,7 +145,7 @@ def test_several_observers_of_a_mechanism_stand_side_by_side(live: Run) -> None:
         ("{}", GIVEN, "standard input: there is no column position; no column has a name"),
         ("1,2,3\n1,2,3\n", GIVEN, "standard input: row 1 holds numbers where the names of the columns should be"),
         (HEAD + "0,0.31,380,380\n", LIVE, "standard input ended while the gains of high_gain were learnt"),
-        ("", LIVE[:1], "a recording needs --muscles FILE.toml, a pair, or --mechanism FILE.toml, one of them"),
+        ("", LIVE[:1], "a recording needs either --muscles FILE.toml, a pair, or --mechanism FILE.toml"),
         ("", [*LIVE, "--set", "sliding_mode.rho=1"], "'sliding_mode.rho' is no gain of high_gain; the muscle file"),
         ("", [*LIVE, "--period", "1h"], "--period must be a time in ms or s, such as 20ms or 0.02s, not '1h'"),
         ("", [*LIVE, "--state", "nothing"], "nothing cannot be read: No such file or directory"),

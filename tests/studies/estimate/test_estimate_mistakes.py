@@ -41,7 +41,7 @@ def test_what_cannot_be_is_a_sentence(short: Recording) -> None:
 @pytest.mark.parametrize(
     ("arguments", "code", "sentence"),
     [
-        ((), 2, "a recording needs --muscles FILE.toml, a pair, or --mechanism FILE.toml, one of"),
+        ((), 2, "a recording needs either --muscles FILE.toml, a pair, or --mechanism FILE.toml"),
         (("--muscles", "nowhere.toml"), 2, "nowhere.toml: cannot be read: No such file or directory"),
         (("--muscles", "short.csv"), 2, "short.csv: not valid TOML"),
         (("--muscles", str(MUSCLES), "--observer", "luenberger"), 2, "unknown observer 'luenberger'"),

@@ -139,8 +139,8 @@ def test_what_is_wrong_is_one_sentence(tmp_path: Path, command) -> None:
     assert "longer than the recording" in told(few, *of_hinge, "--observer", "kalman", "--lag", "2s")
     assert "unknown path" in told(few, *of_hinge, "--observer", "kalman", "--set", "kalman.s_D=0.1")
     assert "kalman.elbow.order_D" in told(few, *of_hinge, "--observer", "kalman", "--set", "kalman.elbow.order_D=4")
-    assert "one of them" in told(few)
-    assert "one of them" in told(few, *of_hinge, "--muscles", str(MUSCLES))
+    assert "needs either --muscles" in told(few)
+    assert "needs either --muscles" in told(few, *of_hinge, "--muscles", str(MUSCLES))
     assert "unknown number 'mass' in doubt" in told(few, *of_hinge, "--doubt", "mass=3%")
     assert "unknown path" in told(few, *of_hinge, "--set", "high_gain.eps_h=0.1")
 

@@ -16,8 +16,11 @@ from .....model.skeleton.load import pull
 from .....observers import label
 from ....estimate.bands.doubt import stated
 from ....estimate.dataset import ON_PAPER
+from ....estimate.forces import weak
+from ....estimate.run import KALMAN
 from ....estimate.scores import SETTLED, WITHIN_95, Score
 from ....kalman.record import FEW
+from ....laboratory.subject import subject_again
 from ..conditions import violated_conditions
 from ..number import counted, number
 from .likelihood import decisions
@@ -32,6 +35,8 @@ _FEW = 3
 _WHOLE = 10.0
 # an activation that may be off by more is not known at all
 _ALL = 1.0
+# nothing follows from activations of which so many are at a limit
+_MOST = 0.5
 # a step longer than this many of the usual is worth a word
 _UNEVEN = 1.1
 # the mass's acceleration over the muscles' pull: how steep is clearly against it, and how large is no slow motion,
@@ -58,6 +63,7 @@ def notes(dataset: xr.Dataset) -> Iterator[str]:
     for j in dataset.muscle.values.tolist():
         if (slack := dataset.slack.sel(muscle=j).values > 0).any():
             yield f"tendon {j} carries no force {_episodes(time, slack)}: its length and activation mean nothing there"
+    yield from _weak(dataset)
     if _against(dataset):
         yield (
             "the mass accelerates against the difference of the tendon forces: either forces from outside rule it, or "
@@ -80,6 +86,16 @@ def notes(dataset: xr.Dataset) -> Iterator[str]:
                     yield f"  {sentence} {_episodes(time, active)}"
     yield from _in_doubt(dataset)
     yield from violated_conditions(dataset)
+
+
+def _weak(dataset: xr.Dataset) -> Iterator[str]:
+    """Forces that no muscle of this size has; of `kalman` the verdict says so."""
+    if KALMAN in dataset.observer:
+        return
+    subject = subject_again(json.loads(str(dataset.muscle_file.values)))
+    for (name, muscle), force in zip(subject.forces.items(), dataset.force.values.T, strict=True):
+        if force.any():
+            yield from filter(None, [weak(name, float(np.nanmax(force)) / muscle.F_max)])
 
 
 def _gains(numbers: dict[str, float]) -> list[str]:
@@ -107,7 +123,9 @@ def _in_doubt(dataset: xr.Dataset) -> Iterator[str]:
         of = dataset.sel(observer=observer) if observer else dataset.isel(observer=0)
         off, whose = WITHIN_95 * float(of.activation_sd_muscle.median()), label(str(of.observer.values))
         why = "since the muscles' numbers are known only so well, see --doubt"
-        if off > _ALL:
+        if float(of.activation_limited.mean()) > _MOST:
+            yield f"how far the activations of {whose} may be off cannot be told, since most of them are at a limit"
+        elif off > _ALL:
             yield f"how far the activations of {whose} may be off cannot be told, {why}"
         elif np.isfinite(off):
             yield f"the activations of {whose} may be off by {number(off)} (95 %, median over time) {why}"
