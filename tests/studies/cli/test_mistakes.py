@@ -42,6 +42,7 @@ BAD = [
     ["observability", "--map", "x3,q"],
     ["observability", "--map", "x3,x4", "--out", "/dev/null"],
     ["nonsense"],
+    ["estimat"],
 ]
 
 

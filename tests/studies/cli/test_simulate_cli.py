@@ -20,6 +20,15 @@ def test_without_an_argument_the_papers_two_are_run(command, tmp_path: Path) -> 
     assert "28.17 > 28.17446 does not hold" in out
 
 
+def test_figures_of_an_earlier_run_go_with_it_but_for_those_that_were_changed(command, tmp_path: Path) -> None:
+    run = ["simulate", "paper-clean", *SHORT, "--out", "here"]
+    assert command(*run)[0] == 0
+    changed = tmp_path / "here" / f"paper-clean{CHANGED}-inputs.png"
+    changed.write_text("with my remarks")
+    assert command(*run, "--no-figures")[0] == 0
+    assert list((tmp_path / "here").glob("*.png")) == [changed]
+
+
 def test_figures_are_written_and_drawn_again(command, tmp_path: Path) -> None:
     code, *_ = command("simulate", "paper-clean", *SHORT, "--out", "here")
     assert code == 0

@@ -11,9 +11,12 @@ from hillobs.observers import PAPER
 from hillobs.studies.estimate.run import estimate
 from hillobs.studies.files.errors import RecordingError, ScenarioError
 from hillobs.studies.laboratory.recording import Recording
+from places import RECORDINGS
 from shipped_recording import MUSCLES, write_measured
 
 pytestmark = pytest.mark.numerics
+
+ARM = RECORDINGS / "arm.toml"
 
 
 def test_what_cannot_be_is_a_sentence(short: Recording) -> None:
@@ -44,6 +47,8 @@ def test_what_cannot_be_is_a_sentence(short: Recording) -> None:
         ((), 2, "a recording needs either --muscles FILE.toml, a pair, or --mechanism FILE.toml"),
         (("--muscles", "nowhere.toml"), 2, "nowhere.toml: cannot be read: No such file or directory"),
         (("--muscles", "short.csv"), 2, "short.csv: not valid TOML"),
+        (("--muscles", str(ARM)), 2, f"{ARM}: it has joints, so it is a mechanism: --mechanism, or read_mechanism"),
+        (("--mechanism", str(MUSCLES)), 2, f"{MUSCLES}: it has a mass and no joints, so it is a pair: --muscles"),
         (("--muscles", str(MUSCLES), "--observer", "luenberger"), 2, "unknown observer 'luenberger'"),
         (("--muscles", str(MUSCLES), "--every", "1.5"), 2, "--every must be a whole number of at least 1, not '1.5'"),
         (("--muscles", str(MUSCLES), "--set", "high_gain.eps_h=fast"), 2, "high_gain.eps_h must be a number"),
@@ -70,3 +75,13 @@ def test_mistakes_on_the_command_line_are_one_sentence(
     assert err.count("\n") == 1
     # what failed is written all the same, and nothing else is
     assert Path("estimates", "estimates.nc").exists() == (code == 1)
+
+
+def test_forces_in_kilonewtons_are_asked_about_and_have_no_band(
+    short: Recording, command: Callable[..., tuple[int, str, str]]
+) -> None:
+    newtons = {name: short[name] / (1000 if name.startswith("force") else 1) for name in short.measured}
+    write_measured(dataclasses.replace(short, measured=newtons), Path("short.csv"))
+    _, out, _ = command("estimate", "short.csv", "--muscles", str(MUSCLES), "--observer", "high_gain", "--no-figures")
+    assert "force_1 is never above 0.0004 F_max of its muscle: it may be in kN, or F_max is another" in out
+    assert "how far the activations of HGO may be off cannot be told, since most of them are at a limit" in out

@@ -15,6 +15,7 @@ from hillobs.studies.estimate.files import save_estimates
 from hillobs.studies.estimate.run import estimate
 from hillobs.studies.estimate.scores import scores
 from hillobs.studies.files.datasets.netcdf import load
+from hillobs.studies.files.writing import write_whole
 from hillobs.studies.laboratory.recording import Recording, read_recording
 from places import DOCS, contents
 from shipped_recording import ALL_OBSERVERS, MUSCLES, SHIPPED, write_measured
@@ -124,6 +125,7 @@ def test_what_an_earlier_run_has_left_does_not_pass_for_the_new_result(
     save_estimates(noisy, scores(noisy), tmp_path)
     assert (tmp_path / "scores.csv").exists()
     assert (tmp_path / "estimates-sliding_mode.sto").exists()
+    write_whole(tmp_path / "estimates-sheet.pdf", b"of the earlier run")
     estimates = estimate(short, MUSCLES, ["high_gain", "high_gain_3"])
     written = save_estimates(estimates, scores(estimates), tmp_path)
     names = {"estimates.nc", "estimates.csv", "estimates-high_gain.sto", "estimates-high_gain_3.sto"}

@@ -76,10 +76,22 @@ def test_whole_millimetres_are_the_nearest_double(folder: Path) -> None:
 @pytest.mark.parametrize(
     ("head", "sentence"),
     [
-        ("time,positon,force_1,force_2", "there is no column position; the nearest are 'positon'"),
-        ("zeit,x,f,g", "there is no column time; there are 'zeit', 'x', 'f', 'g'"),
-        ("time,position,force_1,F2", "there is no column force_2; the nearest are 'force_1'"),
-        (",,,", "there is no column time; no column has a name"),
+        (
+            "time,positon,force_1,force_2",
+            "there is no column position; the nearest are 'positon'; "
+            "a mapping says which it is: --map position=COLUMN[UNIT]",
+        ),
+        (
+            "zeit,x,f,g",
+            "there is no column time; there are 'zeit', 'x', 'f', 'g'; nor is there position or force_1 or force_2; "
+            "a mapping says which it is: --map time=COLUMN[UNIT]",
+        ),
+        (
+            "time,position,force_1,F2",
+            "there is no column force_2; the nearest are 'force_1'; "
+            "a mapping says which it is: --map force_2=COLUMN[UNIT]",
+        ),
+        (",,,", "there is no column time; no column has a name; nor is there position or force_1 or force_2"),
         ("1,2,3,4", "row 1 holds numbers where the names of the columns should be"),
         ("time,position,position,force_1", "position is there twice, in columns 2 and 3; say which by a mapping"),
         (
@@ -113,5 +125,8 @@ def test_wrong_names_and_units_are_sentences(head: str, sentence: str, folder: P
 def test_a_missing_column_says_what_is_there_and_no_novel(folder: Path) -> None:
     sentence = refusal(folder, ",".join(f"c{i}" for i in range(50)) + "\n")
     first = ", ".join(f"'c{i}'" for i in range(8))
-    assert sentence == f"there is no column time; there are {first} and 42 more"
+    assert sentence == (
+        f"there is no column time; there are {first} and 42 more; nor is there position or force_1 or force_2; "
+        "a mapping says which it is: --map time=COLUMN[UNIT]"
+    )
     assert len(refusal(folder, "x" * 100_000 + ",\x1b[31mred\n")) < 400
