@@ -12,6 +12,7 @@ import subprocess
 import sys
 import tomllib
 from fnmatch import fnmatch
+from importlib.util import find_spec
 from pathlib import Path
 
 import click
@@ -152,8 +153,10 @@ def test_the_commands_of_a_page_exist_with_their_options(page: Path, desk: Path)
         assert {word.partition("=")[0] for word in rest if word.startswith("-")} <= options | {"--help"}, line
 
 
-# what a page asks for that is not here: another host, and what changes the reader's own Python
-ELSEWHERE = re.compile(r"HOST|^(?:pip install|git clone|openssl) ", re.MULTILINE)
+# what a page asks for that is not here: another host, OpenSim, and what changes the reader's own Python
+ELSEWHERE = re.compile(
+    r"HOST|^(?:pip install|git clone|openssl) " + ("" if find_spec("opensim") else "|--fit "), re.MULTILINE
+)
 # a step on a command line, with the lines that it goes on in
 INDENTED = re.compile(r"^ {4}((?:zcat\b.*\| *|for\b.*; do )?hillobs\b.*)$", re.MULTILINE)
 
@@ -182,6 +185,11 @@ def test_the_commands_of_a_page_run(page: Path, desk: Path) -> None:
     with gzip.open(RECORDINGS / "dgf_smooth_noisy.csv.gz", "rt", encoding="utf-8") as file:
         measured = [",".join(line.split(",")[:4]).replace("_measured", "") for line in file]
     (desk / "samples.csv").write_text("\n".join(measured), encoding="utf-8")
+    clock = [
+        f"{float(t) * 1e3:.12g},{float(x) * 1e3},{rest}" for t, x, rest in (line.split(",", 2) for line in measured[1:])
+    ]
+    named = "clock,block x,biceps,/forceset/triceps|tendon_force"
+    (desk / "lab.csv").write_text("\n".join([named, *clock]), encoding="utf-8")
     program = re.search(r"^```py\n(.*?)^```", page.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE)
     (desk / "meet.py").write_text(program[1] if program else "", encoding="utf-8")
     tools = {**os.environ, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
