@@ -9,7 +9,7 @@ import numpy as np
 
 from hillobs.studies.cli.shell.terminal import bar, complain, print_table, user_errors
 
-from . import report, scaling
+from . import report, scaling, startup
 from .contenders import Contender, contenders
 from .machine import machine
 from .problem import Problem, problem, states
@@ -32,6 +32,7 @@ def main() -> None:
             report.comparison(taking_part, rates, deviations),
             report.roofline(taking_part, rates),
             report.scaling(scaling.times(), 1 / of.grid.h),
+            report.startup(startup.seconds()),
         ]
         memory = report.memory(*scaling.memory())
         for section in sections:

@@ -100,6 +100,12 @@ def scaling(times: Iterable[tuple[int, int, float]], steps_per_unit: float) -> S
     return Section(title, ["runs", "time units", "ms per run", "million steps/s"], rows)
 
 
+def startup(seconds: Mapping[str, float]) -> Section:
+    """CPU seconds of commands."""
+    title = f"Commands as a user starts them, warm: CPU seconds, median of {ROUNDS} interleaved rounds."
+    return Section(title, ["", "CPU seconds"], [[f"`{name}`", _digits(spent)] for name, spent in seconds.items()])
+
+
 def memory(results: float, process: float) -> str:
     """A sentence."""
     return f"Memory per run: {results:.0f} bytes of results; the process grows by {process:,.0f} bytes."
