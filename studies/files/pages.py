@@ -1,4 +1,4 @@
-"""Where the pages of documentation are, in a checkout and in an installed copy alike."""
+"""Where the pages of documentation and the recordings are, in a checkout and in an installed copy alike."""
 
 from __future__ import annotations
 
@@ -18,10 +18,19 @@ def documentation() -> Path:
     return Path(__file__).parents[2] / "docs"
 
 
+def recordings() -> Path:
+    """The folder of the recordings, muscles and mechanisms that come with hillobs."""
+    return Path(__file__).parents[1] / "laboratory" / "recordings"
+
+
 def page(name: str) -> Path:
     """The page of a name, such as `observers`; ScenarioError with the nearest names if there is none."""
     folder = documentation()
-    pages = {path.stem: path for place in (folder, folder / "tutorials") for path in sorted(place.glob("*.md"))}
+    pages = {
+        path.stem: path
+        for place in (folder, folder / "how-to", folder / "tutorials")
+        for path in sorted(place.glob("*.md"))
+    }
     if name in pages:
         return pages[name]
     near = difflib.get_close_matches(name[:_LONGEST], pages, n=3) or pages

@@ -17,6 +17,7 @@ from ...model.symbols import MUSCLES
 from ...model.system import System, pair_system
 from ...observers import Observer
 from ..files.errors import ScenarioError
+from ..files.pages import recordings
 from ..files.quote import shown, text
 from ..laboratory.mechanisms.reading import read_mechanism
 from ..laboratory.mechanisms.writing import mechanism_file
@@ -141,7 +142,7 @@ def named_mechanism(layers: Sequence[Layer]) -> str:
 @functools.cache
 def shipped_mechanisms() -> Mapping[str, Path]:
     """The mechanisms that come with hillobs: name → file."""
-    files = sorted(Path(__file__).parents[1].joinpath("laboratory", "recordings").glob(f"*{SUFFIX}"))
+    files = sorted(recordings().glob(f"*{SUFFIX}"))
     return {file.stem: file for file in files if is_mechanism(file)}
 
 

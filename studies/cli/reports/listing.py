@@ -11,7 +11,7 @@ from ....codegen.cache import BuildError, describe_cache, kept_sources
 from ....codegen.toolchain import find_compiler
 from ....model.curves import CURVES
 from ....observers import OBSERVERS
-from ...files.pages import documentation
+from ...files.pages import documentation, recordings
 from ...files.versions import versions
 from ...scenarios.layers import shipped
 from ...scenarios.loops import all_paths
@@ -41,6 +41,7 @@ def information() -> Iterator[str]:
     except BuildError as error:
         yield f"compiler  {error}"
     yield f"pages     {documentation()}"
+    yield f"shipped   {recordings()}"
     cache = describe_cache()
     libraries = counted(int(str(cache["libraries"])), "library", "libraries")
     yield f"cache     {cache['folder']}: {libraries}, {cache['bytes']:,} bytes"

@@ -11,7 +11,7 @@ from click.shell_completion import shell_complete
 
 from command_line import SHORT, in_a_process
 from hillobs.studies.cli.main import commands
-from places import DOCS
+from places import DOCS, RECORDINGS
 
 
 def test_alone_it_shows_its_help(command) -> None:
@@ -79,13 +79,18 @@ def test_show_list_info_and_version_speak(command) -> None:
     code, out, _ = command("info")
     assert code == 0
     assert "compiler" in out
+    assert f"shipped   {RECORDINGS}\n" in out
     assert command("--version")[1].startswith("hillobs, version ")
 
 
 def test_docs_tells_where_a_page_is(command) -> None:
     code, out, _ = command("docs")
     assert (code, out) == (0, f"{DOCS}\n")
-    for name, place in (("observers", "observers.md"), ("first-run", "tutorials/first-run.md")):
+    for name, place in (
+        ("observers", "observers.md"),
+        ("messages", "how-to/messages.md"),
+        ("first-run", "tutorials/first-run.md"),
+    ):
         code, out, _ = command("docs", name)
         assert (code, out) == (0, f"{DOCS / place}\n")
     code, out, err = command("docs", "observer")
