@@ -11,8 +11,7 @@ import pytest
 
 from hillobs.model.curves import CURVES
 from hillobs.studies.scenarios.loops import all_paths
-from labels import PAGES as WHERE_EQUATIONS_STAND
-from labels import linked, places
+from labels import homes, linked
 from places import DATA, DOCS, ROOT, anchors
 
 FOLDERS = ("model", "observers", "codegen", "studies", "hillobs", "benchmarks", "tests", "docs", "build")
@@ -75,7 +74,7 @@ def test_every_label_is_one_of_the_paper() -> None:
 def test_every_label_of_the_sources_leads_to_its_equation() -> None:
     sources = [path for folder in EQUATIONS[:3] for path in sorted((ROOT / folder).rglob("*.py"))]
     named = {label for path in sources for group in LABEL.findall(words(path)) for label in group.split(", ")} & LABELS
-    home = places({name: (DOCS / f"{name}.md").read_text(encoding="utf-8") for name in WHERE_EQUATIONS_STAND}, LABELS)
+    home = homes(DOCS)
     assert named - set(home) == set()
     # those of the system and of the observers where these are, not where their errata are
     assert {home[label][0] for label in ("x2d", "kappa", "HO1a", "HO2b", "rhoa0", "SO3b")} == {"model", "observers"}

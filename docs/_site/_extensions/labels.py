@@ -21,15 +21,20 @@ _CODE = re.compile(r"^```.*?^```|^(?: {4}|\t).*?$|`[^`\n]*`", re.MULTILINE | re.
 
 def setup(app: Sphinx) -> dict[str, bool]:
     """Connect to the reading of pages."""
-    pages = {name: Path(app.srcdir, f"{name}.md").read_text(encoding="utf-8") for name in PAGES}
-    known = set(Path(app.srcdir).parent.joinpath("tests/data/paper_labels.txt").read_text(encoding="utf-8").split())
-    home = places(pages, known)
+    home = homes(Path(app.srcdir))
 
     def rewrite(app: Sphinx, page: str, source: list[str]) -> None:
         source[0] = linked(source[0], page, home)
 
     app.connect("source-read", rewrite)
     return {"parallel_read_safe": True}
+
+
+def homes(docs: Path) -> dict[str, tuple[str, str]]:
+    """The `places` of the pages in the folder of documentation."""
+    pages = {name: (docs / f"{name}.md").read_text(encoding="utf-8") for name in PAGES}
+    known = set((docs.parent / "tests" / "data" / "paper_labels.txt").read_text(encoding="utf-8").split())
+    return places(pages, known)
 
 
 def places(pages: dict[str, str], known: set[str]) -> dict[str, tuple[str, str]]:
