@@ -3,7 +3,7 @@
 enum { N_HELD = N_NOISE + N_PULSES + 2, N_ROW = 4 * N_SEEN + N_TRUTH };
 // Grid points that each observer computes in a row: its code stays in the nearest cache. What they see is on the stack.
 constexpr int tile(int points) {
-    return points > 4 && points * (N_OBSERVERS * sizeof(Sight)) > (1 << 20) ? tile(points / 2) : points;
+    return points > 4 && points * (N_OBSERVERS * sizeof(Sight)) > (1 << 19) ? tile(points / 2) : points;
 }
 enum { TILE = tile(32) };
 
