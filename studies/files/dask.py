@@ -8,8 +8,9 @@ _NAME = "dask"
 
 
 def leave_out() -> None:
-    """Importing it fails from now on, as where it is not installed; if it is there already it stays."""
-    sys.modules.setdefault(_NAME, None)  # type: ignore[arg-type]  # Python's sign for what must not be imported
+    """Importing it fails from now on, as where it is not installed; unless xarray is there, which has looked."""
+    if "xarray" not in sys.modules:
+        sys.modules.setdefault(_NAME, None)  # type: ignore[arg-type]  # Python's sign for what must not be imported
 
 
 def let_in() -> None:

@@ -123,3 +123,13 @@ from hillobs.studies.cli.shell.own_observers import loaded
 print(loaded([{str(tmp_path / "my.py:mine")!r}])[0].name)
 """
     assert in_a_process("-c", code).stdout == "mine\n"
+
+
+def test_a_process_that_has_xarray_already_keeps_dask(tmp_path: Path) -> None:
+    code = f"""
+import sys, hillobs.studies.cli.simulate
+from hillobs.__main__ import main
+sys.argv = ["hillobs", "simulate", "paper-clean", "--no-figures", "--out", {str(tmp_path)!r}, *{SHORT!r}]
+main()
+"""
+    assert in_a_process("-c", code).stderr == ""
