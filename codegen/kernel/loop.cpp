@@ -65,10 +65,13 @@ INLINE void hold(const Batch &batch, const Runs &runs, int64_t k, V *held) {
     held[N_NOISE + N_PULSES + 1] = sampled(batch, k);
 }
 
+// Nothing is known from where the truth has failed. It may be ahead of its observers by a tile.
+INLINE bool gone(const Part &truth, int64_t k, int l) { return truth.failed[l] >= 0 && truth.failed[l] <= k; }
+
 template <class B>
 static __attribute__((noinline)) void fail(Part &part, const Part &truth, int64_t k, const V *y, const V *domain) {
     for (int l = 0; l < LANES; ++l) {
-        if (part.failed[l] >= 0 || truth.failed[l] >= 0) continue;  // nothing is known of a truth that is not there
+        if (part.failed[l] >= 0 || gone(truth, k, l)) continue;
         const int cause = failing<B>(part.x, y, domain, part.scales, l);
         if (cause < 0) continue;
         part.failed[l] = k;
@@ -80,18 +83,18 @@ template <class B>
 static __attribute__((noinline)) void keep(const Batch &batch, const Runs &runs, Part &part, int64_t k, const V *y) {
     const int64_t points = batch.steps / batch.record + 1, row = k / batch.record;
     for (int64_t l = 0; l < runs.n; ++l) {
-        if (part.failed[l] >= 0 || runs.parts[0].failed[l] >= 0) continue;
+        if (part.failed[l] >= 0 || gone(runs.parts[0], k, (int)l)) continue;
         for (int i = 0; i < B::NX; ++i) part.record_x[(l * points + row) * B::NX + i] = lane(part.x[i], (int)l);
         for (int i = 0; i < B::NY; ++i) part.record_y[(l * points + row) * B::NY + i] = lane(y[i], (int)l);
     }
 }
 
 template <class B>
-static FLAT void watch(Part &part, const Part &truth, const V &t, const V *held, const V *staged) {
+static FLAT void watch(Part &part, const Part &truth, int64_t k, const V &t, const V *held, const V *staged) {
     V active[B::N_GUARDS + 1];
     B::watch(&t, part.c, part.x, held, staged, active);
     for (int l = 0; l < LANES; ++l)
-        for (int i = 0; i < B::N_GUARDS && part.failed[l] < 0 && truth.failed[l] < 0; ++i)
+        for (int i = 0; i < B::N_GUARDS && part.failed[l] < 0 && !gone(truth, k, l); ++i)
             set_lane(part.guards[i], l, lane(part.guards[i], l) + lane(active[i], l));
 }
 
@@ -104,7 +107,7 @@ static __attribute__((noinline)) void attend(const Batch &batch, Runs &runs, Par
     if (part.guards && k < batch.steps) {
         V held[N_HELD];
         hold(batch, runs, k, held);
-        watch<B>(part, runs.parts[0], time_at(batch, k), held, staged);
+        watch<B>(part, runs.parts[0], k, time_at(batch, k), held, staged);
     }
 }
 

@@ -22,7 +22,7 @@ from hillobs.studies.estimate.run import estimate
 from hillobs.studies.estimate.scores import scores
 from hillobs.studies.files.errors import ScenarioError
 from hillobs.studies.laboratory.recording import Recording, read_recording
-from hillobs.studies.simulate.run import simulate
+from hillobs.studies.simulate.run import RunWarning, simulate
 from hillobs.studies.sweep.run import sweep
 from places import OF_THE_PAIR, RECORDINGS
 
@@ -111,6 +111,17 @@ def test_gains_without_a_rate_are_refused(observer: str, gain: str, value: float
 @pytest.fixture(scope="module")
 def shipped_recording() -> Recording:
     return read_recording(RECORDINGS / "dgf_smooth_noisy.csv.gz")
+
+
+def test_observers_are_known_until_the_truth_fails() -> None:
+    """The truth is computed some steps ahead of them."""
+    far = {"duration": 1.0, "score.start": 0.5, "reference.offset": 0.0}
+    with pytest.warns(RunWarning, match=r"the plant failed at τ = 0\.\d+") as told:
+        run = simulate("paper-noisy", changes=far)
+    failed = float(str(told[0].message).partition(" = ")[2].partition(";")[0])
+    before = (run.time < failed).values
+    assert 10 < before.sum() < len(before)
+    assert (run.x_hat.notnull().all(["observer", "state"]).values == before).all()
 
 
 def test_an_observer_of_ones_own_may_set_limits(proportional: Block) -> None:
