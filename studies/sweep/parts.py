@@ -27,6 +27,8 @@ _LARGEST_PLAN = 1_000_000_000
 # of a process and its machine
 _LONGEST_NAME = 1_000
 _PLAN, _LOCK = "plan.json", "lock"
+# what a part begins with
+_HEAD = b"hillobs sweep "
 # what a lock says of its holder
 _HOLDER = re.compile(rb"process [^\x00-\x1f]*")
 # one name per part, so that none is found twice
@@ -118,7 +120,7 @@ class Parts:
                     self.remove()
 
     def _head(self, part: int) -> bytes:
-        return f"hillobs sweep {self._identity} part {part}".encode()
+        return _HEAD + f"{self._identity} part {part}".encode()
 
     def _open(self, held: contextlib.ExitStack) -> None:
         """The folder and its lock, which is ours while it is open."""
@@ -156,8 +158,8 @@ class Parts:
             raise DistrustError(f"holds {_LOCK}, which hillobs has not written there")
         # the plan first: it is the smallest
         telling = sorted((name for name in names if name == _PLAN or _PART.fullmatch(name)), reverse=True)
-        if telling and all(unsealed(self._read(name, _LARGEST_PART) or b"") is None for name in telling):
-            raise DistrustError("holds nothing that bears the seal of hillobs")
+        if telling and not any(_is_of_a_sweep(self._read(name, _LARGEST_PART) or b"") for name in telling):
+            raise DistrustError("holds no part of a sweep that bears the seal of hillobs")
 
     def _compare(self) -> None:
         """Another sweep's parts are not mixed with ours."""
@@ -219,6 +221,12 @@ class Parts:
             if name := read_trusted(_LOCK, _LONGEST_NAME, self._handle).decode(errors="replace").strip():
                 return name
         return "another process"
+
+
+def _is_of_a_sweep(content: bytes) -> bool:
+    """A sealed part, or a sealed plan, which is JSON; a result that lies under such a name is neither."""
+    whole = unsealed(content)
+    return whole is not None and whole.startswith((_HEAD, b"{"))
 
 
 def _name(part: int) -> str:

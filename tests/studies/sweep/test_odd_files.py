@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from hillobs.studies.files.datasets.netcdf import sealed
 from hillobs.studies.files.errors import ResultError
 from hillobs.studies.sweep import parts
 from unfinished_sweeps import Sweep
@@ -49,13 +50,14 @@ def test_a_folder_with_a_name_that_is_not_ours_is_left_alone(unfinished: Sweep, 
 
 
 @pytest.mark.parametrize("name", ["plan.json", "00000000.part"])
-def test_a_folder_without_our_seal_is_left_alone(tmp_path: Path, name: str) -> None:
-    """A user's own plan, by chance under our name."""
+@pytest.mark.parametrize("content", [b'{"plan": "mine"}', sealed(b"\x89HDF and so on")], ids=["a plan", "a result"])
+def test_a_folder_without_a_part_of_a_sweep_is_left_alone(tmp_path: Path, name: str, content: bytes) -> None:
+    """A user's own plan, or a result, by chance under our name."""
     here = Sweep(tmp_path)
     here.parts.mkdir()
-    (here.parts / name).write_text('{"plan": "mine"}')
+    (here.parts / name).write_bytes(content)
     before = snapshot(tmp_path)
-    with pytest.raises(ResultError, match="holds nothing that bears the seal of hillobs; move it away"):
+    with pytest.raises(ResultError, match="holds no part of a sweep that bears the seal of hillobs; move it away"):
         here.run()
     assert (here.computed, snapshot(tmp_path)) == ([], before)
 
