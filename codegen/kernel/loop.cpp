@@ -1,11 +1,13 @@
 // Many closed loops at once: the truth, then every observer and its score, grid point by grid point.
 
 enum { N_HELD = N_NOISE + N_PULSES + 2, N_ROW = 4 * N_SEEN + N_TRUTH };
-// Grid points that each observer computes in a row: its code stays in the nearest cache. What they see is on the stack.
+// Grid points that each observer computes in a row: its code stays in the nearest cache. What they see is on the stack,
+// in so many bytes at most.
+enum { LEAST = 4, MOST = 32, STACK = 1 << 19 };
 constexpr int tile(int points) {
-    return points > 4 && points * (N_OBSERVERS * sizeof(Sight)) > (1 << 19) ? tile(points / 2) : points;
+    return points > LEAST && points * (N_OBSERVERS * sizeof(Sight)) > STACK ? tile(points / 2) : points;
 }
-enum { TILE = tile(32) };
+enum { TILE = tile(MOST) };
 
 // A block at work in all lanes. All arrays are the caller's, aligned for V.
 struct Part {

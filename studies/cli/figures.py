@@ -24,14 +24,16 @@ from .shell.terminal import say
 
 # the variable that only a run has, or a sweep, or estimates
 _CHECKS = {"x_hat": check_run, "failed_at": check_sweep, "activation_hat": check_estimates}
-_pdf = click.option("--pdf", is_flag=True, help="As PDF too.")
+_kinds_option = click.option(
+    "--pdf", "kinds", is_flag=True, callback=lambda _, __, asked: WITH_PDF if asked else PNG, help="As PDF too."
+)
 
 
 @click.command()
 @click.argument("result", type=click.Path(path_type=Path))
 @click.option("--out", type=click.Path(path_type=Path), help="Where figures are written; beside RESULT by default.")
-@_pdf
-def figures(result: Path, out: Path | None, pdf: bool) -> None:
+@_kinds_option
+def figures(result: Path, out: Path | None, kinds: tuple[str, ...]) -> None:
     """Draw the figures of RESULT.nc, a run, a sweep or estimates, again without a run."""
     dataset = load(result)
     kind = next((name for name in _CHECKS if name in dataset), None)
@@ -42,7 +44,7 @@ def figures(result: Path, out: Path | None, pdf: bool) -> None:
     except ResultError as error:
         raise ResultError(f"{result} cannot be drawn: {error}") from error
     folder = writable_folder(out or result.parent)
-    sentence, kinds = "", WITH_PDF if pdf else PNG
+    sentence = ""
     if kind == "failed_at":
         paths, sentence = save_sweep_figures(dataset, folder, result.stem, kinds)
     elif kind == "x_hat":
@@ -57,8 +59,7 @@ def figures(result: Path, out: Path | None, pdf: bool) -> None:
 
 @click.command()
 @click.option("--out", type=click.Path(path_type=Path), default=Path("results"), help="Where the figure is written.")
-@_pdf
-def curves(out: Path, pdf: bool) -> None:
+@_kinds_option
+def curves(out: Path, kinds: tuple[str, ...]) -> None:
     """Draw the muscle's curves of every publication side by side; `list curves` describes them."""
-    kinds = WITH_PDF if pdf else PNG
     say(written(write_figures({"sets": curve_figure()}, writable_folder(out), "curves", kinds)))

@@ -5,7 +5,6 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 import xarray as xr
@@ -30,9 +29,6 @@ from .reports.observability import answer_as_json, answer_table, details, ranks_
 from .reports.written import written
 from .shell.options import scenario_argument, set_option, whole_option
 from .shell.terminal import bar, complain, print_table, say
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 # a rank that is not full is no failure, but a script must see it
 _DEFICIENT = 1
@@ -106,18 +102,14 @@ def observability(
     tell = complain if as_json else say
     if along:
         with bar("along the run") as advance:
-            from ..figures.observability import along_figure  # here, since matplotlib takes as long to come as a run
-
             data = rank_along(prepared, question, limit, advance)
-            paths = _write(data, along_figure(data), folder, stem, "along")
+            paths = _write(data, None, folder, stem, "along")
         tell(f"along the run, {ranks_along(data)}")
         tell(written(paths))
     if axes is not None:
         with bar("over the map") as advance:
-            from ..figures.observability import map_figure  # here, since matplotlib takes as long to come as a run
-
             data = over(question, names, here.point, tolerance=limit, progress=advance)
-            paths = _write(data, map_figure(data, question), folder, stem, _map_key(names))
+            paths = _write(data, question, folder, stem, _map_key(names))
         tell(f"over the map, {ranks_over(data)}")
         tell(written(paths))
     sys.exit(0 if here.verdict.full else _DEFICIENT)
@@ -171,11 +163,14 @@ def _tolerance(typed: str | None) -> float:
     return limit
 
 
-def _write(data: xr.Dataset, figure: Figure, folder: Path, stem: str, key: str) -> list[Path]:
+def _write(data: xr.Dataset, question: Question | None, folder: Path, stem: str, key: str) -> list[Path]:
+    """The result and its figure: of a map, which is drawn for its question, or along a run."""
+    from ..figures.observability import along_figure, map_figure  # here: matplotlib takes as long to come as a run
+    from ..figures.page import write_figures
+
     path, *_ = _paths(folder, stem, key)
     save_netcdf(data, path)
-    from ..figures.page import write_figures  # here, since matplotlib takes as long to come as a run
-
+    figure = along_figure(data) if question is None else map_figure(data, question)
     return [path, *write_figures({key: figure}, folder, stem)]
 
 

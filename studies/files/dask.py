@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import sys
+from types import ModuleType
+from typing import cast
 
 _NAME = "dask"
+# None is Python's sign for what must not be imported
+_MODULES = cast(dict[str, ModuleType | None], sys.modules)
 
 
 def leave_out() -> None:
     """Importing it fails from now on, as where it is not installed; unless xarray is there, which has looked."""
-    if "xarray" not in sys.modules:
-        sys.modules.setdefault(_NAME, None)  # type: ignore[arg-type]  # Python's sign for what must not be imported
+    if "xarray" not in _MODULES:
+        _MODULES.setdefault(_NAME, None)
 
 
 def let_in() -> None:
     """It can be imported again."""
-    if _NAME in sys.modules and sys.modules[_NAME] is None:
-        del sys.modules[_NAME]
+    if _NAME in _MODULES and _MODULES[_NAME] is None:
+        del _MODULES[_NAME]

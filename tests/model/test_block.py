@@ -49,6 +49,14 @@ def test_a_name_must_be_an_identifier(name: str) -> None:
         Block(name)
 
 
+def test_a_block_keeps_its_expressions_whatever_becomes_of_those_given() -> None:
+    x = symbols("x")
+    rate = -x.x
+    block = Block("decay", x=x, dx=Symbols(x=rate))
+    rate[0] = 3
+    assert str(block.dx.x) == "(-x)"
+
+
 def test_components_are_scalars_and_states_are_symbols() -> None:
     with pytest.raises(BlockError, match="every component is a scalar"):
         Block("b", y=Symbols(a=ca.SX(2, 1)))

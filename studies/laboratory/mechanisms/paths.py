@@ -49,7 +49,7 @@ def path_of(where: str, given: object) -> Path:
 def path_over(muscle: str, given: Polynomial, joints: Mapping[str, str], held: Mapping[str, float]) -> Path:
     """A polynomial of OpenSim over joints, by its coordinates' names, some of which stay at a number.
 
-    ScenarioError if a coordinate is neither, or for a wrong number of coefficients.
+    ScenarioError if a coordinate is neither, for a wrong number of coefficients, or if they stay too far out.
     """
     if unknown := [name for name in given.coordinates if name not in joints and name not in held]:
         known = listed(dict.fromkeys([*joints, *held])) or "none"
@@ -57,7 +57,11 @@ def path_over(muscle: str, given: Polynomial, joints: Mapping[str, str], held: M
             f"the path of {muscle} crosses {shown(unknown[0])}, which is no coordinate; there are {known}"
         )
     whole_path = _checked(f"the path of {muscle}", list(given.coordinates), given.order, list(given.coefficients))
-    free = held_at(whole_path, held)
+    try:
+        free = held_at(whole_path, held)
+    except OverflowError as error:
+        far = ", ".join(f"{name} = {held[name]:g}" for name in given.coordinates if name in held)
+        raise ScenarioError(f"the path of {muscle} is no number where {far}") from error
     return Path(tuple(joints[name] for name in free.joints), free.terms)
 
 

@@ -6,11 +6,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from ....model.block import Parameter
 from ....model.skeleton.points import Point
 from ....model.skeleton.tree import Joint, Tree, TreeError
 from ...files.errors import ScenarioError, in_file
-from ...files.numbers import within
 from ...files.quote import shown
 from ..muscles import Muscle
 from .bodies import bodies, link
@@ -26,10 +24,6 @@ from .paths import TAG, Polynomial, polynomial_of, read_paths
 
 _GRAVITY = (0.0, -9.80665, 0.0)
 _UNITS = {"length_units": ("meters", "meter", "m"), "force_units": ("newtons", "newton", "n")}
-
-
-# what may be typed for a coordinate of either kind; a mechanism's file bounds each kind by itself
-_HELD = Parameter(0.0, "where a coordinate is held", "chosen", "m or rad", least=-20, most=20)
 
 
 @dataclass(frozen=True)
@@ -109,7 +103,6 @@ def _model(
     coordinates = Coordinates(of_joints)
     held = {own.name: own.value for joint in of_joints for own in joint.coordinates if own.locked}
     held |= coordinates.by_coordinate(locks)
-    held = {name: within(f"the lock of {name}", value, _HELD) for name, value in held.items()}
     limits = coordinates.by_coordinate(ranges)
     forces = acting(document)
     of_springs = springs(forces, coordinates.names)
