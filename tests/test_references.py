@@ -74,7 +74,7 @@ def test_every_label_is_one_of_the_paper() -> None:
 def test_every_label_of_the_sources_leads_to_its_equation() -> None:
     sources = [path for folder in EQUATIONS[:3] for path in sorted((ROOT / folder).rglob("*.py"))]
     named = {label for path in sources for group in LABEL.findall(words(path)) for label in group.split(", ")} & LABELS
-    home = homes(DOCS)
+    home = homes()
     assert named - set(home) == set()
     # those of the system and of the observers where these are, not where their errata are
     assert {home[label][0] for label in ("x2d", "kappa", "HO1a", "HO2b", "rhoa0", "SO3b")} == {"model", "observers"}

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from sphinx.application import Sphinx
 
+_DOCS = Path(__file__).parents[2]
 # where equations stand, in this order
 PAGES = ("model", "observers", "gains", "errata")
 # [load1], or several, [dotla, rhoa0]; no link of Markdown and no interval
@@ -21,7 +22,7 @@ _CODE = re.compile(r"^```.*?^```|^(?: {4}|\t).*?$|`[^`\n]*`", re.MULTILINE | re.
 
 def setup(app: Sphinx) -> dict[str, bool]:
     """Connect to the reading of pages."""
-    home = homes(Path(app.srcdir))
+    home = homes()
 
     def rewrite(app: Sphinx, page: str, source: list[str]) -> None:
         source[0] = linked(source[0], page, home)
@@ -30,10 +31,10 @@ def setup(app: Sphinx) -> dict[str, bool]:
     return {"parallel_read_safe": True}
 
 
-def homes(docs: Path) -> dict[str, tuple[str, str]]:
-    """The `places` of the pages in the folder of documentation."""
-    pages = {name: (docs / f"{name}.md").read_text(encoding="utf-8") for name in PAGES}
-    known = set((docs.parent / "tests" / "data" / "paper_labels.txt").read_text(encoding="utf-8").split())
+def homes() -> dict[str, tuple[str, str]]:
+    """The `places` of our pages, whichever are being built."""
+    pages = {name: (_DOCS / f"{name}.md").read_text(encoding="utf-8") for name in PAGES}
+    known = set((_DOCS.parent / "tests" / "data" / "paper_labels.txt").read_text(encoding="utf-8").split())
     return places(pages, known)
 
 
