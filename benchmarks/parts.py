@@ -66,7 +66,7 @@ def sizes() -> Iterator[tuple[str, float]]:
 
 def rate(large: Plan, target: str) -> float:
     """Runs per second of CPU time."""
-    compiled = compile_loop(large.prepared.loop, target)
+    compiled = compile_loop(large.loop, target)
     before = time.process_time()
     compute_part(large, compiled, 0)
     return PART / (time.process_time() - before)

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ..model.block import Block
+from ..model.wiring import with_numbers
 from .stepper import STAGES
 
 
@@ -33,6 +34,25 @@ class Bank:
         if block is self.near:
             return tuple(f"{name}.{i}" for i in range(STAGES) for name in (*self.measured, *self.front.y))
         return self.measured if block is self.front else (*self.measured, *self.front.y)
+
+    def with_numbers(self, fixed: Mapping[str, Mapping[str, float]]) -> Bank:
+        """The bank with numbers in the place of parameters: observer → name → value.
+
+        The front finds its parameters in each observer, so they become numbers if all observers have the same ones.
+        """
+        everywhere = {name: {fixed[block.name].get(name) for block in self.observers} for name in self.front.p}
+        shared = {name: only for name, (only, *others) in everywhere.items() if only is not None and not others}
+
+        def written(block: Block, numbers: Mapping[str, float]) -> Block:
+            own = (name for name in numbers if name in block.p and (name in shared or name not in everywhere))
+            return with_numbers(block, {name: numbers[name] for name in own})
+
+        return replace(
+            self,
+            front=written(self.front, shared),
+            near=written(self.near, shared) if self.near else None,
+            observers=tuple(written(block, fixed[block.name]) for block in self.observers),
+        )
 
     def sizes(self) -> dict[str, int]:
         """What the kernel must know of the front."""

@@ -28,7 +28,7 @@ def hoisted(name: str, table: Mapping[str, ca.Function]) -> dict[str, ca.Functio
         arguments[role] = {n: symbol for n, symbol in inputs.items() if n not in own}
         results += f.call(list(inputs.values()))
     with as_written():
-        reduced, symbols, values = _extracted(ca.cse(results), ca.vertcat(h, p))
+        reduced, symbols, values = extracted(ca.cse(results), ca.vertcat(h, p))
         c = ca.SX.sym("c", len(symbols))
         reduced = ca.cse(ca.substitute(reduced, [ca.vertcat(*symbols)], [c]) if symbols else reduced)
     constants = ca.cse(ca.densify(ca.vertcat(*values)))
@@ -43,7 +43,7 @@ def hoisted(name: str, table: Mapping[str, ca.Function]) -> dict[str, ca.Functio
     return done
 
 
-def _extracted(expressions: list[ca.SX], parameters: ca.SX) -> tuple[list[ca.SX], list[ca.SX], list[ca.SX]]:
+def extracted(expressions: list[ca.SX], parameters: ca.SX) -> tuple[list[ca.SX], list[ca.SX], list[ca.SX]]:
     """The expressions without the parameters, the constants in them, and what these are in terms of the parameters."""
     reduced, symbols, values = ca.extract_parametric(expressions, parameters, {"extract_trivial": True})
     inverses = [ca.SX.sym("inverse") for _ in symbols]

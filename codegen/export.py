@@ -17,6 +17,7 @@ _KERNEL = "hillobs.codegen.kernel"
 ROLES = {
     "constants": (("h", "p"), ("c",)),
     "scales": (("h", "p"), ("scales",)),
+    "clock": (("t", "c"), ("row",)),
     "init": (("t", "p", "held", "staged"), ("x_next",)),
     "step": (("t", "c", "x", "held", "staged"), ("x_next", "stages")),
     "stage": (("t", "node", "c", "x", "held", "staged"), ("dx", "seen")),
@@ -110,6 +111,7 @@ def _part(block: Block, table: Mapping[str, ca.Function]) -> str:
         "N_GUARDS": len(block.guards),
         "N_DOMAIN": len(block.domain),
         **{f"HAS_{role.upper()}": int(role in table) for role in ("sample", "each")},
+        "N_TIME": table["clock"].numel_out(0) if "clock" in table else 1,
         "SAMPLED": int(block.sampled),
     }
     roles = [_role(role, table[role]) for role in ROLES if role in table]

@@ -1,4 +1,4 @@
-"""wire() joins Blocks by name into a Block; many() and rename() prepare the parts."""
+"""wire() joins Blocks by name into a Block; many(), rename() and with_numbers() prepare the parts."""
 
 from __future__ import annotations
 
@@ -105,6 +105,15 @@ def rename(block: Block, name: str, names: Mapping[str, str], outputs: Iterable[
         guards[new(key)] = ca.fmax(guards[new(key)], guard) if new(key) in guards else guard
     guards = _substitute(guards, merged)
     return block.rewritten(renamed, name=name, x=x, p=p, parameters=parameters, y=y, guards=guards, limits=limits)
+
+
+def with_numbers(block: Block, numbers: Mapping[str, float]) -> Block:
+    """`block` with numbers in the place of the parameters of these names: what they make 0 or 1 is gone."""
+    _check_names("parameter", numbers, block.p)
+    by = ([block.p[name] for name in numbers], [ca.SX(value) for value in numbers.values()])
+    p = block.p.only(name for name in block.p if name not in numbers)
+    parameters = {name: block.parameters[name] for name in p}
+    return block.rewritten(lambda entries: _substitute(entries, by), p=p, parameters=parameters)
 
 
 def _fresh(block: Block, name: str) -> Block:

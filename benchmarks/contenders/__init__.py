@@ -65,7 +65,7 @@ def builders() -> Iterator[Builder]:
     """All contenders, ours first, each built when it is its turn."""
     from . import casadi_vm, jax_scan, numba_loops, numpy_batch, ours, plain_c, scipy_ivp
 
-    yield from (ours.lean_score, ours.own_truth, ours.full_score, ours.clang, ours.scalar)
+    yield from ours.variants()
     yield from (plain_c.exported, plain_c.shared)
     yield from (casadi_vm.as_written, casadi_vm.lean)
     yield from (numba_loops.abreast, numba_loops.one_by_one, jax_scan.scan, numpy_batch.batch)

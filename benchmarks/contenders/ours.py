@@ -1,86 +1,99 @@
-"""Our kernel: noise drawn, errors summed at every step, parameters as arguments."""
+"""Our kernel: noise drawn, errors summed at every step, checks; unless a row says that it leaves them out."""
 
 from __future__ import annotations
 
 import os
 import re
 import shutil
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from hillobs.codegen.batch import CompiledLoop
-from hillobs.codegen.toolchain import find_compiler
+from hillobs.codegen.toolchain import NATIVE, find_compiler
+from hillobs.observers.score import score
 
 from ..problem import FULL_SCORE, Problem, problem, states
-from ..roofline import Work, work_of_a_step
+from ..roofline import work_of_a_step
 from . import AbsentError, Contender
 
 _RUNS = 256
+# what differs from run to run where each has a truth of its own
+_START = "initial.x1"
 
 
-def lean_score(of: Problem) -> Contender:
-    """As a sweep runs it: one truth for all runs, 21 error sums."""
-    return _contender(
-        f"hillobs, {_compiler_name()}", of, CompiledLoop(of.loop), of.numbers, work_of_a_step(of, with_truth=False)
-    )
+@dataclass(frozen=True)
+class Variant:
+    """One way of running our kernel. By default as a sweep of gains: one truth for all runs, 21 error sums."""
 
+    words: str = ""
+    own_truth: bool = False  # a truth per run, as in a sweep over the plant
+    all_measures: bool = False  # of `hillobs simulate`, activations too
+    bare: bool = False  # without error sums and noise of our own, as the peers
+    in_code: bool = False  # fixed numbers written into the code, as in a long sweep
+    compiler: str = ""  # another one than usual
+    target: str = NATIVE
+    runs: int = _RUNS
 
-def own_truth(of: Problem) -> Contender:
-    """Every run with a truth of its own, as in a sweep over the plant."""
-    name = of.loop.truth.name
-    numbers = np.repeat(np.array([of.numbers[name]]), _RUNS, axis=0)
-    # one start that differs is enough
-    numbers[0, list(of.loop.truth.p).index("initial.x1")] += 1e-6
-    given: dict[str, ArrayLike] = {**of.numbers, name: numbers}
-    return _contender(
-        f"hillobs, {_compiler_name()}, a truth per run",
-        of,
-        CompiledLoop(of.loop),
-        given,
-        work_of_a_step(of, with_truth=True),
-    )
+    def __call__(self, of: Problem) -> Contender:
+        """The row of the table."""
+        if self.compiler and shutil.which(self.compiler) is None:
+            raise AbsentError(f"{self.compiler} is not installed")
+        if self.all_measures:
+            of = problem(FULL_SCORE)
+        if self.bare:
+            of = replace(of, loop=replace(of.loop, score=score((), ())), numbers={**of.numbers, "score": []})
+            of = replace(of, grid=replace(of.grid, hold=0))
+        return self._of(self._with_numbers_in_code(of) if self.in_code else of)
 
-
-def full_score(of: Problem) -> Contender:
-    """With all measures of `hillobs simulate`, activations too."""
-    full = problem(FULL_SCORE)
-    work = work_of_a_step(full, with_truth=False)
-    return _contender(f"hillobs, {_compiler_name()}, all measures", full, CompiledLoop(full.loop), full.numbers, work)
-
-
-def clang(of: Problem) -> Contender:
-    """The same source by clang."""
-    if shutil.which("clang++") is None:
-        raise AbsentError("clang++ is not installed")
-    with _compiler("clang++"):
-        return _contender(
-            f"hillobs, {_compiler_name()}", of, CompiledLoop(of.loop), of.numbers, work_of_a_step(of, with_truth=False)
+    def _of(self, of: Problem) -> Contender:
+        with _compiler(self.compiler):
+            compiled = CompiledLoop(of.loop, self.target)
+            name = ", ".join(filter(None, [f"hillobs, {_compiler_name()}", self.words]))
+        seeds = np.arange(self.runs, dtype=np.uint64)
+        given: dict[str, ArrayLike] = {**of.numbers}
+        if self.own_truth:
+            truth = np.repeat(np.array([of.numbers[of.loop.truth.name]]), self.runs, axis=0)
+            # one start that differs is enough
+            truth[0, list(of.loop.truth.p).index(_START)] += 1e-6
+            given[of.loop.truth.name] = truth
+        return Contender(
+            name,
+            self.runs,
+            of.grid.steps,
+            lambda: compiled.batch(of.grid, seeds, given, of.names),
+            lambda: states(of, of.grid.steps, compiled),
+            operations=work_of_a_step(of, with_truth=self.own_truth),
         )
 
+    def _with_numbers_in_code(self, of: Problem) -> Problem:
+        names = {block.name: list(block.p) for block in of.loop.blocks}
+        left = {of.loop.truth.name: [_START]} if self.own_truth else {}
+        every = {name: dict(zip(names[name], numbers, strict=True)) for name, numbers in of.numbers.items()}
+        fixed = {
+            name: {n: value for n, value in numbers.items() if n not in left.get(name, [])}
+            for name, numbers in every.items()
+        }
+        loop = of.loop.with_numbers(fixed)
+        return replace(of, loop=loop, numbers={b.name: [every[b.name][n] for n in b.p] for b in loop.blocks})
 
-def scalar(of: Problem) -> Contender:
-    """One run at a time."""
-    name = f"hillobs, {_compiler_name()}, scalar"
-    return _contender(
-        name, of, CompiledLoop(of.loop, "scalar"), of.numbers, work_of_a_step(of, with_truth=False), runs=4
-    )
 
-
-def _contender(
-    name: str, of: Problem, compiled: CompiledLoop, numbers: Mapping[str, ArrayLike], work: Work, runs: int = _RUNS
-) -> Contender:
-    seeds = np.arange(runs, dtype=np.uint64)
-    return Contender(
-        name,
-        runs,
-        of.grid.steps,
-        lambda: compiled.batch(of.grid, seeds, numbers, of.names),
-        lambda: states(of, of.grid.steps, compiled),
-        operations=work,
-    )
+def variants() -> Iterator[Callable[[Problem], Contender]]:
+    """Our rows."""
+    code = "numbers in the code"
+    yield Variant()
+    yield Variant(code, in_code=True)
+    yield Variant("a truth per run", own_truth=True)
+    yield Variant(f"a truth per run, {code}", own_truth=True, in_code=True)
+    yield Variant(f"as the peers: a truth per run, {code}, no sums, no noise", own_truth=True, in_code=True, bare=True)
+    yield Variant("all measures", all_measures=True)
+    yield Variant(f"all measures, {code}", all_measures=True, in_code=True)
+    yield Variant(compiler="clang++")
+    yield Variant(f"a truth per run, {code}", own_truth=True, in_code=True, compiler="clang++")
+    yield Variant("scalar", target="scalar", runs=4)
 
 
 def _compiler_name() -> str:
@@ -92,11 +105,14 @@ def _compiler_name() -> str:
 
 @contextmanager
 def _compiler(command: str) -> Iterator[None]:
+    """Libraries are compiled by `command`, if one is named."""
     before = os.environ.get("CXX")
-    os.environ["CXX"] = command
+    if command:
+        os.environ["CXX"] = command
     try:
         yield
     finally:
-        del os.environ["CXX"]
-        if before is not None:
+        if before is None:
+            os.environ.pop("CXX", None)
+        else:
             os.environ["CXX"] = before

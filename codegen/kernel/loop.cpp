@@ -92,9 +92,9 @@ static __attribute__((noinline)) void keep(const Batch &batch, const Runs &runs,
 }
 
 template <class B>
-static FLAT void watch(Part &part, const Part &truth, int64_t k, const V &t, const V *held, const V *staged) {
+static FLAT void watch(Part &part, const Part &truth, int64_t k, const V *t, const V *held, const V *staged) {
     V active[B::N_GUARDS + 1];
-    B::watch(&t, part.c, part.x, held, staged, active);
+    B::watch(t, part.c, part.x, held, staged, active);
     for (int l = 0; l < LANES; ++l)
         for (int i = 0; i < B::N_GUARDS && part.failed[l] < 0 && !gone(truth, k, l); ++i)
             set_lane(part.guards[i], l, lane(part.guards[i], l) + lane(active[i], l));
@@ -102,59 +102,79 @@ static FLAT void watch(Part &part, const Part &truth, int64_t k, const V &t, con
 
 // Failures, records and guards, at few grid points: only for them are states written back from registers to `part`.
 template <class B>
-static __attribute__((noinline)) void attend(const Batch &batch, Runs &runs, Part &part, int64_t k, const V *staged,
-                                             const V *y, const V *domain, bool wrong) {
+static __attribute__((noinline)) void attend(const Batch &batch, Runs &runs, Part &part, int64_t k, const V *t,
+                                             const V *staged, const V *y, const V *domain, bool wrong) {
     if (wrong) fail<B>(part, runs.parts[0], k, y, domain);
     if (part.record_x && k % batch.record == 0) keep<B>(batch, runs, part, k, y);
     if (part.guards && k < batch.steps) {
         V held[N_HELD];
         hold(batch, runs, k, held);
-        watch<B>(part, runs.parts[0], k, time_at(batch, k), held, staged);
+        watch<B>(part, runs.parts[0], k, t, held, staged);
     }
 }
 
 // Jumps, outputs, checks and records at grid point k.
 template <class B>
-INLINE void visit(const Batch &batch, Runs &runs, Part &part, int64_t k, const V *held, const V *staged, V *x, V *y) {
+INLINE void visit(const Batch &batch, Runs &runs, Part &part, int64_t k, const V *t, const V *held, const V *staged,
+                  V *x, V *y) {
     V after[B::NX + 1], domain[B::N_DOMAIN + 1];
-    const V t = time_at(batch, k);
     if constexpr (B::HAS_SAMPLE)
         if (sampled(batch, k)) {
-            B::sample(&t, part.c, x, held, staged, after);
+            B::sample(t, part.c, x, held, staged, after);
             copy<B::NX>(after, x);
         }
     if constexpr (B::HAS_EACH) {
-        B::each(&t, part.c, x, held, staged, after);
+        B::each(t, part.c, x, held, staged, after);
         copy<B::NX>(after, x);
     }
-    B::out(&t, part.c, x, held, staged, y, domain);
+    B::out(t, part.c, x, held, staged, y, domain);
     const bool wrong = any(suspect<B>(x, y, domain, part.scales));
     if (__builtin_expect(wrong || part.record_x || part.guards, 0)) {
         // copies: a variable whose address is passed on cannot stay in a register
-        V outputs[B::NY + 1], limits[B::N_DOMAIN + 1];
+        V outputs[B::NY + 1], limits[B::N_DOMAIN + 1], time[B::N_TIME + 1];
+        copy<B::N_TIME>(t, time);
         copy<B::NX>(x, part.x);
         copy<B::NY>(y, outputs);
         copy<B::N_DOMAIN>(domain, limits);
-        attend<B>(batch, runs, part, k, staged, outputs, limits, wrong);
+        attend<B>(batch, runs, part, k, time, staged, outputs, limits, wrong);
     }
 }
 
+// What the truth takes for the time, the same in all runs.
+typedef double Row[Truth::N_TIME + 1];
+
+// The rows of TILE grid points from k on, one in each lane.
+static FLAT void tick(const Batch &batch, const Part &truth, int64_t k, Row *rows) {
+    for (int i = 0; i < TILE; i += LANES) {
+        V t, row[Truth::N_TIME + 1];
+        for (int l = 0; l < LANES; ++l) set_lane(t, l, (double)(k + i + l) * batch.h);
+        Truth::clock(&t, truth.c, row);
+        for (int l = 0; l < LANES && i + l < TILE; ++l)
+            for (int j = 0; j < Truth::N_TIME; ++j) rows[i + l][j] = lane(row[j], l);
+    }
+}
+
+template <int N> INLINE void spread(const double *values, V *to) {
+#pragma GCC unroll 128
+    for (int i = 0; i < N; ++i) to[i] = values[i];
+}
+
 // one function for both kinds of batches, so that sharing the truth changes no bit of it
-static FLAT void advance_truth(const Batch &batch, Runs &runs, int64_t k, Moment &now) {
+static FLAT void advance_truth(const Batch &batch, Runs &runs, int64_t k, const Row &row, Moment &now) {
     Part &part = runs.parts[0];
-    V x[Truth::NX + 1], after[Truth::NX + 1], y[N_TRUTH], held[N_HELD];
-    const V t = time_at(batch, k);
+    V x[Truth::NX + 1], after[Truth::NX + 1], y[N_TRUTH], held[N_HELD], t[Truth::N_TIME + 1];
+    spread<Truth::N_TIME>(row, t);
     hold(batch, runs, k, held);
     copy<Truth::NX>(part.x, x);
-    visit<Truth>(batch, runs, part, k, held, 0, x, y);
+    visit<Truth>(batch, runs, part, k, t, held, 0, x, y);
     copy<N_TRUTH>(y, now.y);
-    Truth::step(&t, part.c, x, held, 0, after, now.seen);
+    Truth::step(t, part.c, x, held, 0, after, now.seen);
     if (k < batch.steps) copy<Truth::NX>(after, part.x);
 }
 
 static void spread(const double *values, Moment &now) {
-    for (int i = 0; i < 4 * N_SEEN; ++i) now.seen[i] = values[i];
-    for (int i = 0; i < N_TRUTH; ++i) now.y[i] = values[4 * N_SEEN + i];
+    spread<4 * N_SEEN>(values, now.seen);
+    spread<N_TRUTH>(values + 4 * N_SEEN, now.y);
 }
 
 static void collect(const Moment &now, double *values) {
@@ -176,15 +196,17 @@ static FLAT void measure(const Batch &batch, Runs &runs, int64_t k, const Moment
 
 template <class S>
 INLINE void account(const Batch &batch, const V *c, int64_t k, const V *held, const V *scored, V *sums) {
-    V after[S::NX];
+    V after[S::NX + 1];
     const V t = time_at(batch, k);
     if constexpr (S::HAS_SAMPLE)
         if (sampled(batch, k)) {
             S::sample(&t, c, sums, held, scored, after);
             copy<S::NX>(after, sums);
         }
-    S::each(&t, c, sums, held, scored, after);
-    copy<S::NX>(after, sums);
+    if constexpr (S::HAS_EACH) {
+        S::each(&t, c, sums, held, scored, after);
+        copy<S::NX>(after, sums);
+    }
 }
 
 // One observer and its score at the grid points from `from` to `until`, exclusive. What moves at samples only is scored
@@ -192,7 +214,7 @@ INLINE void account(const Batch &batch, const V *c, int64_t k, const V *held, co
 template <class B, class S>
 static FLAT void observe(const Batch &batch, Runs &runs, Part &part, int64_t from, int64_t until, const Outputs *truth,
                          const Sight *sights) {
-    V x[B::NX + 1], sums[S::NX], after[B::NX + 1];
+    V x[B::NX + 1], sums[S::NX + 1], after[B::NX + 1];
     copy<B::NX>(part.x, x);
     copy<S::NX>(part.sums, sums);
     for (int64_t k = from; k < until; ++k) {
@@ -201,7 +223,7 @@ static FLAT void observe(const Batch &batch, Runs &runs, Part &part, int64_t fro
         V held[N_HELD], scored[N_TRUTH + B::NY];  // of the outputs, the first N_ESTIMATES
         hold(batch, runs, k, held);
         copy<N_TRUTH>(truth[k - from], scored);
-        visit<B>(batch, runs, part, k, held, staged, x, scored + N_TRUTH);
+        visit<B>(batch, runs, part, k, &t, held, staged, x, scored + N_TRUTH);
         if (!B::SAMPLED || sampled(batch, k)) account<S>(batch, runs.parts[2 + N_OBSERVERS].c, k, held, scored, sums);
         if (B::SAMPLED || k == batch.steps) continue;
         B::step(&t, part.c, x, held, staged, after, 0);
@@ -254,12 +276,14 @@ static void advance(const Batch &batch, Runs &runs, int64_t from, int64_t until,
     Moment now;
     Outputs truth[TILE];
     Sights sights;
+    Row clock[TILE];
+    if (!rows) tick(batch, runs.parts[0], from, clock);
     for (int64_t k = from; k < until; ++k) {
         if (sampled(batch, k)) draw(batch, runs, k);
         if (rows)
             spread(rows + (k - from) * N_ROW, now);
         else
-            advance_truth(batch, runs, k, now);
+            advance_truth(batch, runs, k, clock[k - from], now);
         copy<N_TRUTH>(now.y, truth[k - from]);
         measure(batch, runs, k, now, sights[0][k - from]);
         for (int64_t i = 1; i < runs.n_fronts; ++i) copy<4 * N_STAGED>(sights[0][k - from].staged, sights[i][k - from].staged);
@@ -298,8 +322,10 @@ HILLOBS_EXPORT void hillobs_advance(Batch *batch, int64_t until) {
         const int64_t from = batch->k, to = until < from + batch->tile ? until : from + batch->tile;
         if (batch->truth) {
             Moment now;
+            Row clock[TILE];
             for (int64_t k = from; k < to; ++k) {
-                advance_truth(*batch, *batch->truth, k, now);
+                if ((k - from) % TILE == 0) tick(*batch, batch->truth->parts[0], k, clock);
+                advance_truth(*batch, *batch->truth, k, clock[(k - from) % TILE], now);
                 collect(now, batch->rows + (k - from) * N_ROW);
             }
         }

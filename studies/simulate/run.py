@@ -65,7 +65,7 @@ def recorded(
     prepared: Prepared, compiled: CompiledLoop, observers: Sequence[str] = (), progress: Progress = unseen
 ) -> dict[str, Trace]:
     """What the truth, the sensors and the observers named do in the run of the scenario, by Block."""
-    return compiled.run(prepared.grid, prepared.scenario.seed, _parameters(prepared), observers, progress)
+    return compiled.run(prepared.grid, prepared.scenario.seed, _parameters(prepared, compiled), observers, progress)
 
 
 def _scores_at_half_step(
@@ -73,10 +73,10 @@ def _scores_at_half_step(
 ) -> dict[str, dict[str, float]]:
     """The score of each observer in the same run, with the same noise, at half the step."""
     grid, seeds = prepared.grid.halved(), [prepared.scenario.seed]
-    outcomes = compiled.batch(grid, seeds, _parameters(prepared), observers, progress)
+    outcomes = compiled.batch(grid, seeds, _parameters(prepared, compiled), observers, progress)
     sums = list(prepared.loop.score.x)
     return {name: dict(zip(sums, outcomes[name].sums[0].tolist(), strict=True)) for name in observers}
 
 
-def _parameters(prepared: Prepared) -> dict[str, ArrayLike]:
-    return {block.name: prepared.paths.values(block, prepared.scenario.given) for block in prepared.loop.blocks}
+def _parameters(prepared: Prepared, compiled: CompiledLoop) -> dict[str, ArrayLike]:
+    return {block.name: prepared.paths.values(block, prepared.scenario.given) for block in compiled.loop.blocks}

@@ -17,6 +17,9 @@ from .conditions import by_point, sentences, swept_conditions
 from .plan import Plan
 from .row import Rows
 
+# whether it takes all numbers as arguments
+_CODE = {True: "of any sweep", False: "of this sweep: its fixed numbers are written in"}
+
 
 def sweep_dataset(
     plan: Plan, rows: Rows, halved: Rows, truth: Trace, identity: str, compiled: CompiledLoop
@@ -62,6 +65,7 @@ def sweep_dataset(
         "identity": identity,
         "violated_conditions": json.dumps(sentences(plan.axes, violated)),
         "library": compiled.path.stem,
+        "code": _CODE[plan.loop is plan.prepared.loop],
         "target": compiled.target,
         "part": str(plan.part),
     }

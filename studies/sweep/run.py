@@ -106,7 +106,7 @@ def sweep_planned(
         raise ResultError(f"{str(out)!r} is no name for a result: it must be that of a file")
     # what is there and no result is refused before anything is compiled
     earlier = None if out is None else _earlier(out)
-    compiled = compile_loop(plan.prepared.loop, target)
+    compiled = compile_loop(plan.loop, target)
     identity = plan.identity(compiled.path.stem)
     if out is None:
         return _computed(plan, compiled, identity, compute, progress)

@@ -56,14 +56,21 @@ def computed(plan: Plan, compiled: CompiledLoop, threads: int) -> Rows:
     return rows
 
 
-@pytest.mark.parametrize(("kind", "every"), [("numbers", THREADS), ("seeds", (1, 3))])
+@pytest.mark.parametrize(
+    ("kind", "every", "pays"), [("numbers", THREADS, np.inf), ("seeds", (1, 3), np.inf), ("numbers", (3,), 0)]
+)
 def test_threads_runs_order_and_parts_change_no_bit(
-    kind: str, every: tuple[int, ...], monkeypatch: pytest.MonkeyPatch
+    kind: str, every: tuple[int, ...], pays: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """All 540 combinations of a run of 0.1, every one to the last bit; fewer threads for a truth that all share."""
+    """All 540 combinations of a run of 0.1, every one to the last bit.
+
+    Fewer threads for a truth that all share, and for a library that has numbers in its code.
+    """
     monkeypatch.setattr(planning, "PART", 1)
+    monkeypatch.setattr(planning, "PAYS", pays)
     most = planned(kind, np.arange(max(RUNS)))
-    compiled = compile_loop(most.prepared.loop)
+    assert (most.loop is most.prepared.loop) == (pays > 0)
+    compiled = compile_loop(most.loop)
     # each run by itself
     alone = computed(most, compiled, 1)
     assert len({row.tobytes() for row in alone}) == max(RUNS)

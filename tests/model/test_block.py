@@ -1,11 +1,11 @@
-"""The grammar: what a Block may be, and how wire, many and rename treat it."""
+"""The grammar: what a Block may be, and how wire, many, rename and with_numbers treat it."""
 
 import casadi as ca
 import numpy as np
 import pytest
 
 from hillobs.model.block import Block, BlockError, Parameter, Symbols, symbols
-from hillobs.model.wiring import many, rename, wire
+from hillobs.model.wiring import many, rename, wire, with_numbers
 
 
 def integrator(name: str = "integrator") -> Block:
@@ -136,3 +136,15 @@ def test_held_inputs_stay_held() -> None:
 def test_a_symbol_that_is_not_there_is_named() -> None:
     with pytest.raises(AttributeError, match="no symbol 'c'; there are a, b"):
         _ = symbols("a b").c
+
+
+def test_numbers_take_the_place_of_parameters() -> None:
+    block = integrator()
+    written = with_numbers(block, {"k": 3.0})
+    assert not written.p
+    assert not written.parameters
+    assert evaluate(written, "dx", u=2.0) == evaluate(block, "dx", u=2.0, k=3.0) == {"x": 6.0}
+    # a factor of 0 leaves nothing to compute
+    assert with_numbers(block, {"k": 0.0}).dx.x.is_zero()
+    with pytest.raises(BlockError, match="unknown parameter 'gain'; valid: k"):
+        with_numbers(block, {"gain": 1.0})

@@ -49,7 +49,7 @@ def work(told: str, part: int) -> Rows:
 def _prepared(told: str, address: str) -> tuple[Plan, CompiledLoop]:
     content = json.loads(told)
     plan = plan_of(content["plan"])
-    compiled = compile_loop(plan.prepared.loop, content["target"])
+    compiled = compile_loop(plan.loop, content["target"])
     if words := difference(code(compiled.path), content["code"]):
         raise ClusterError(f"worker {address} would not compute the same numbers: {words}")
     return plan, compiled
