@@ -73,7 +73,7 @@ def test_an_operation_without_a_translation_is_refused() -> None:
 
 @pytest.mark.parametrize(
     "build",
-    [plain_c.exported, plain_c.shared, lambda of: numpy_batch.batch(of, runs=4), ours.lean_score],
+    [plain_c.exported, plain_c.shared, lambda of: numpy_batch.batch(of, runs=4), ours.Variant()],
     ids=["exported C", "shared C", "NumPy", "ours"],
 )
 def test_the_contenders_end_where_our_kernel_ends(build) -> None:
