@@ -34,7 +34,12 @@ estimate: $(VENV)/.installed ## activations from the shipped recording, scored, 
 test: $(VENV)/.installed ## all tests
 	$(BIN)/python -m pytest
 
-portable: $(VENV)/.installed ## what compiled code computes, for every processor and compiler that can be tried here
+$(VENV)/.portable: $(VENV)/.installed
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[dev,compiler]'
+	@touch $@
+
+# for ARM: apt install qemu-user g++-aarch64-linux-gnu
+portable: $(VENV)/.portable ## what compiled code computes, for every processor, system and compiler that can be tried here
 	$(BIN)/python tests/portable.py
 
 check: format lint types imports test ## what CI runs: format, lint, types, the stair of imports, tests
@@ -88,4 +93,4 @@ bench: $(VENV)/.bench ## how fast the loop is beside CasADi's C, numba, JAX …:
 	$(BIN)/python -m benchmarks
 
 clean: ## remove results, caches and compiled libraries
-	rm -rf results build/cache .setuptools .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
+	rm -rf results build/cache build/arm64 .setuptools .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis

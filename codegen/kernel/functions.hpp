@@ -35,7 +35,7 @@ INLINE Reals sine_of(Reals x, int64_t shift) {
     for (double a : sines) s = s * z + a;
     for (double a : cosines) c = c * z + a;
     s = s * z * r + r;
-    c = (c * z * z - 0.5 * z) + 1.0;
+    c = (c * z - 0.5) * z + 1.0;  // one way to fuse products and sums, the same for one lane and for many
     const Wholes quadrant = bits(shifted) + shift;
     const Reals value = pick((quadrant & 1) != 0, c, s);
     return pick((quadrant & 2) != 0, -value, value);

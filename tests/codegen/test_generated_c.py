@@ -23,6 +23,7 @@ from hillobs.model.system import PAIR
 from hillobs.observers import OBSERVERS, PAPER
 from hillobs.studies.estimate.follow import follower_bank
 from hillobs.studies.scenarios.loops import all_paths, paper_loop
+from tools import needs_zig
 
 SANITIZE = (
     "-O0",
@@ -69,6 +70,15 @@ def test_it_compiles_without_a_warning(name: str, what: str, tmp_path: Path) -> 
     checked = ("-O0", "-c", "-o", "loop.o") if zig else ("-fsyntax-only",)
     strict = ("-Wall", "-Wextra", "-Wpedantic", "-Werror", "-Wno-psabi")
     done = compile_text(SOURCES[what]().text, tmp_path, *target_flags(NATIVE, compiler), *strict, *checked, by=command)
+    assert done.returncode == 0, done.stderr[-2000:]
+
+
+@needs_zig
+@pytest.mark.parametrize("system", ["aarch64-macos", "x86_64-macos", "x86_64-windows-gnu", "aarch64-windows-gnu"])
+def test_so_it_does_for_other_systems(system: str, tmp_path: Path) -> None:
+    """To an object file: there is none of their linkers here, and none of their processors."""
+    strict = ("-Wall", "-Wextra", "-Wpedantic", "-Werror", "-O0", "-c", "-o", "loop.o")
+    done = compile_text(SOURCES["given"]().text, tmp_path, "-target", system, *strict, by=COMPILERS["zig"])
     assert done.returncode == 0, done.stderr[-2000:]
 
 

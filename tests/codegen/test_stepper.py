@@ -1,5 +1,7 @@
 """The stepper as mathematics, and its C as the same mathematics."""
 
+import platform
+
 import casadi as ca
 import numpy as np
 import pytest
@@ -117,12 +119,17 @@ def rename(f: ca.Function, name: str) -> ca.Function:
     return ca.Function(name, inputs, f.call(inputs), f.name_in(), f.name_out())
 
 
+# of what all processors of a kind have, only ARM's can round a product and a sum once
+FUSED, NOT_FUSED = 1e-11, 1e-12
+SCALAR = NOT_FUSED if platform.machine() == "x86_64" else FUSED
+
+
 # that of one run at a time is held against the lanes in test_lanes.py too
 @pytest.mark.parametrize(
-    ("target", "tolerance"), [pytest.param("scalar", 1e-12, marks=pytest.mark.chaos), ("native", 1e-11)]
+    ("target", "tolerance"), [pytest.param("scalar", SCALAR, marks=pytest.mark.chaos), ("native", FUSED)]
 )
 def test_compiled_C_is_the_casadi_function(target: str, tolerance: float) -> None:
-    """Every exported function, at points about a run, slack tendons included; lanes round a product and a sum once."""
+    """Every exported function, at points about a run, slack tendons included."""
     every = every_function()
     library = compile_functions(every, target)
     random = np.random.default_rng(3)
