@@ -93,4 +93,4 @@ bench: $(VENV)/.bench ## how fast the loop is beside CasADi's C, numba, JAX …:
 	$(BIN)/python -m benchmarks
 
 clean: ## remove results, caches and compiled libraries
-	rm -rf results build/cache build/arm64 .setuptools .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
+	rm -rf results build/cache .setuptools .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis

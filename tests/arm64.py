@@ -1,6 +1,6 @@
 """A 64-bit ARM processor for `make portable`: Debian's Python for it under qemu, and a cross compiler of this machine.
 
-All of it is unpacked into build/arm64; nothing is installed, and no rights are needed.
+All of it is unpacked beside the environment that runs the tests; nothing is installed, and no rights are needed.
 """
 
 import platform
@@ -13,7 +13,7 @@ from pathlib import Path
 from places import ROOT
 
 COMPILER, EMULATOR = "aarch64-linux-gnu-g++", "qemu-aarch64"
-FOLDER = ROOT / "build" / "arm64"
+FOLDER = Path(sys.prefix) / "arm64"
 _KEYRING = Path("/usr/share/keyrings/debian-archive-keyring.gpg")
 _NEEDED = ("apt-get", "dpkg-deb", EMULATOR, COMPILER)
 _APT = """\
