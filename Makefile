@@ -77,7 +77,7 @@ links: $(VENV)/.docs ## do the pages' links to other sites lead somewhere? This 
 page: $(VENV)/.installed ## the paper's noisy simulation as a page for a browser: docs/_page/paper-noisy.html
 	$(BIN)/hillobs export page paper-noisy --out docs/_page/paper-noisy.html
 
-chaos: $(VENV)/.docs ## long tests: kills, full disks, races; and all laws, on inputs drawn anew
+chaos: $(VENV)/.docs page ## long tests: kills, full disks, races; and all laws, on inputs drawn anew
 	$(BIN)/python -m pytest -m 'chaos or hypothesis' --hypothesis-profile others -p no:cacheprovider
 
 # SEED=1 draws others, CASES=200 fewer, CASE=17 one of them again
