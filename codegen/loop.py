@@ -39,6 +39,11 @@ class Loop:
         return (*self.noise, *self.pulses, *self.flags)
 
     @property
+    def noisy(self) -> bool:
+        """Whether the truth depends on what sensors show, and so on the seed."""
+        return any(port in self.noise for port in self.truth.u)
+
+    @property
     def seen(self) -> tuple[str, ...]:
         """The outputs of the truth that the sensors measure."""
         return tuple(port for port in self.sensors.u if port not in self.held)

@@ -82,7 +82,8 @@ class Memory:
         }
         truth = values[loop.truth.name]
         # a batch that records has room for the truth of each run
-        self._shared = not record and self.runs > self._lanes and bool((truth == truth[:1]).all())
+        same = bool((truth == truth[:1]).all()) and not loop.noisy
+        self._shared = not record and self.runs > self._lanes and same
         self._vectors = -(-self.runs // self._lanes)
         fronts, self._front_of = _distinct_fronts(loop, values, observers)
         self._places, total = self._arrangement(used, compiled, len(fronts), record)

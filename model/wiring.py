@@ -38,7 +38,20 @@ def wire(
     resolved = _resolve(name, inputs, outputs, connections, own)
     by = (list(inputs.values()), [resolved[port] for port in inputs])
     held = frozenset(port for port, kind in external.items() if kind == "held")
-    return _side_by_side(name, parts).rewritten(lambda entries: _substitute(entries, by), u=own, held=held)
+    loose = _side_by_side(name, parts)
+    x0 = _starts(name, loose.x, _substitute(loose.x0, by))
+    return loose.rewritten(lambda entries: _substitute(entries, by), u=own, held=held, x0=x0)
+
+
+def _starts(name: str, x: Symbols, x0: Symbols) -> Symbols:
+    """The values at the start, where one may follow from the start of other states."""
+    by = (list(x.values()), [x0.get(key, ca.SX(0)) for key in x])
+    turns = len(x)
+    while ca.depends_on(x0.vector(), x.vector()):
+        if not turns:
+            raise BlockError(f"{name}: states whose starts depend on each other")
+        x0, turns = _substitute(x0, by), turns - 1
+    return x0
 
 
 def _side_by_side(name: str, parts: Sequence[Block]) -> Block:

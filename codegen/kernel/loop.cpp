@@ -299,6 +299,7 @@ HILLOBS_EXPORT void hillobs_start(Batch *batch) {
         Runs &runs = i < 0 ? *batch->truth : batch->runs[i];
         if (i < 0 || !batch->truth) {
             V held[N_HELD];
+            if (sampled(*batch, 0)) draw(*batch, runs, 0);
             hold(*batch, runs, 0, held);
             prepare<Truth>(*batch, runs.parts[0]);
             Truth::init(&t, runs.parts[0].p, held, 0, runs.parts[0].x);

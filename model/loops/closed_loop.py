@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 from ..block import Block, Symbols
@@ -9,25 +10,37 @@ from ..control.backstepping import backstepping
 from ..curves import NGUYEN2019, Curves
 from ..limits import limits
 from ..plant import plant as plant_of
-from ..sensors import SENSED
+from ..sensors import NOISE_CHANNELS, SENSED
 from ..signals.activations import given_activations
 from ..signals.pulses import PULSES, pulses
 from ..signals.reference import reference
 from ..signals.uncertainty import uncertainty
-from ..symbols import QUANTITIES, STATES
+from ..symbols import QUANTITIES, STATES, hat
 from ..system import pair_system
 from ..wiring import rename, wire
 
 TAUT = ("taut1", "taut2")
+# what the controller takes for Δ and Δ̇: the truth, an estimate that it takes for constant, or both estimates
+KNOWN = {"Delta": "uncertainty.Delta", "dDelta": "uncertainty.dDelta"}
+ESTIMATED: Mapping[str, str | float] = {"Delta": f"eyes.{hat('Delta')}", "dDelta": 0.0}
+ESTIMATED_WITH_RATE = {"Delta": f"eyes.{hat('Delta')}", "dDelta": f"eyes.{hat('dDelta')}"}
 # parameters of these parts are known by other names, signals of those without the part's
-_PREFIXES = {"pulses": "", "activations": ""}
+_PREFIXES = {"pulses": "", "activations": "", "eyes": ""}
 _BARE = ("plant", "uncertainty", "reference")
 
 
-def closed_loop(drive: str = "virtual", curves: Curves = NGUYEN2019, controller: Block | None = None) -> Block:
+def closed_loop(
+    drive: str = "virtual",
+    curves: Curves = NGUYEN2019,
+    controller: Block | None = None,
+    eyes: Block | None = None,
+    Delta: Mapping[str, str | float] = KNOWN,
+) -> Block:
     """The Block `truth` with the outputs x1…x4, Delta, u1, u2, a1, a2, taut1, taut2, Phi_S1, Phi_S2 (r, if followed).
 
-    Inputs: t and the held gates of the pulses. With the drive `given` there is no controller.
+    Inputs: t and the held gates of the pulses. With the drive `given` there is no controller. eyes: what the controller
+    sees instead of the states (observers/feedback.py), with the held noise as further inputs. Delta: what it takes for
+    Δ and Δ̇, the truth by default.
     """
     system = pair_system(curves)
     plant = plant_of(system, drive)
@@ -50,16 +63,26 @@ def closed_loop(drive: str = "virtual", curves: Curves = NGUYEN2019, controller:
             "reference.t": "t",
             **{f"controller.{x}": f"plant.{x}" for x in STATES},
             **{f"controller.{r}": f"reference.{r}" for r in ("r", "dr", "ddr", "dddr")},
-            **{f"controller.{d}": f"uncertainty.{d}" for d in ("Delta", "dDelta")},
+            **{f"controller.{name}": source for name, source in Delta.items()},
             "pulses.u1": "controller.u1",
             **{f"pulses.{name}": name for name in PULSES},
             "plant.u1": "pulses.u1",
             "plant.u2": "controller.u2",
         }
+        if eyes is not None:
+            parts.append(eyes)
+            held += NOISE_CHANNELS
+            connections |= {
+                **{f"eyes.{port}": f"plant.{port}" for port in SENSED},
+                **{f"eyes.{channel}": channel for channel in NOISE_CHANNELS},
+                **{f"controller.{x}": f"eyes.{hat(x)}" for x in STATES},
+                "eyes.t": "t",
+            }
     wired = wire("truth", parts, connections, {"t": "t", **dict.fromkeys(held, "held")})
     truth = rename(wired, "truth", _names(wired), outputs)
     numbers = Symbols({"C": truth.p["plant.C"]})
-    return replace(truth, limits=limits(system, [*truth.x, *truth.y], numbers))
+    own = limits(system, [*truth.x, *truth.y], numbers)
+    return replace(truth, limits=Symbols({**truth.limits, **own}))
 
 
 def _names(wired: Block) -> dict[str, str]:
@@ -75,4 +98,5 @@ def _names(wired: Block) -> dict[str, str]:
         part, _, rest = key.partition(".")
         if part in _BARE:
             names[key] = rest
+    names |= {key: key.removeprefix("eyes.") for key in wired.guards}
     return {**names, **{f"plant.{x}_0": f"initial.{x}" for x in STATES}}

@@ -22,6 +22,7 @@ from ..scenarios.observers import Observers
 from ..scenarios.paths import block_paths
 from ..scenarios.prepare import Prepared, prepare
 from ..scenarios.rules import Rule
+from ..scenarios.world import FEEDBACK, STATES
 from ..simulate.measures import SENTENCES, measures_of
 from .reach import FAR, NEAR, reach
 
@@ -50,6 +51,7 @@ def export_page(
     'page.html'
     """
     prepared = prepare(scenario, observers, changes or {}, corrected=corrected)
+    _refuse_feedback(prepared)
     _refuse_too_long(prepared)
     text = page(study_of(prepared))
     file = Path(path)
@@ -57,6 +59,11 @@ def export_page(
     refuse_overwriting([written])
     write_whole(written, text.encode())
     return written
+
+
+def _refuse_feedback(prepared: Prepared) -> None:
+    if prepared.loop.noisy:
+        raise ScenarioError(f"a page computes one plant for all seeds, so {FEEDBACK} must be {STATES}")
 
 
 def _refuse_too_long(prepared: Prepared) -> None:

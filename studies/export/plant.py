@@ -55,10 +55,10 @@ def exported_plant(scenario: str | Path = "paper-clean", changes: Mapping[str, V
 def _measured(truth: Block, sensors: Block, noise: tuple[str, ...]) -> Block:
     """The truth with what the sensors measure of it, named as paths of a scenario are."""
     connections: dict[str, str | float] = {
-        **{f"{truth.name}.{port}": port for port in truth.u},
+        **{f"{truth.name}.{port}": 0.0 if port in noise else port for port in truth.u},
         **{f"{sensors.name}.{port}": 0.0 if port in noise else f"{truth.name}.{port}" for port in sensors.u},
     }
-    external = {port: "held" if port in truth.held else "t" for port in truth.u}
+    external = {port: "held" if port in truth.held else "t" for port in truth.u if port not in noise}
     wired = wire(NAME, [truth, sensors], connections, external)
     named = (*wired.x, *wired.y, *wired.p, *wired.guards, *wired.domain)
     bare = {key: key.removeprefix(f"{truth.name}.") for key in named}

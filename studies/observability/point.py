@@ -12,7 +12,6 @@ import numpy as np
 
 from ...codegen.stepper import functions
 from ...model.plant import plant
-from ...model.signals.pulses import PULSES
 from ...observers.observability import TOLERANCE, Verdict, judge
 from ..files.errors import ScenarioError
 from ..files.numbers import number
@@ -113,7 +112,7 @@ def rest_point(subject: Subject, question: Question) -> dict[str, float]:
 
 def start_point(prepared: Prepared) -> dict[str, float]:
     """The true states and inputs of the scenario at τ = 0."""
-    truth, held = prepared.loop.truth, PULSES
+    truth, held = prepared.loop.truth, prepared.loop.held
     table = functions(truth, held, ())
     p, w = prepared.paths.values(truth, prepared.scenario.given), [0.0] * len(held)
     x = table["init"](0, p, w, [])

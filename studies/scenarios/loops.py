@@ -13,7 +13,7 @@ from ...codegen.loop import Loop
 from ...codegen.stepper import STAGES
 from ...model.block import Block
 from ...model.curves import NGUYEN2019, Curves
-from ...model.loops.closed_loop import closed_loop
+from ...model.loops.closed_loop import ESTIMATED, ESTIMATED_WITH_RATE, KNOWN, closed_loop
 from ...model.loops.mechanism_loop import mechanism_loop
 from ...model.plant import DRIVES
 from ...model.sensors import NOISE_CHANNELS, mechanism_sensors, noise_channels, sensors
@@ -21,10 +21,14 @@ from ...model.signals.pulses import PULSES
 from ...model.symbols import QUANTITIES, hat, kind_of
 from ...model.system import System, pair_system
 from ...observers import OBSERVERS, Observer, baseline_estimator, estimator_of
+from ...observers.feedback import eyes, saturation
 from ...observers.score import MEASURES, score
 from ...observers.tendons import tendons, tendons_of_a_step
 from ..laboratory.subject import Subject
 from .paths import TIMES, Paths, paths_of
+
+# what a controller may know of Δ
+DELTAS = {"known": KNOWN, "estimated": ESTIMATED, "estimated with rate": ESTIMATED_WITH_RATE}
 
 
 @functools.lru_cache(maxsize=16)
@@ -51,6 +55,15 @@ def paper_loop(
         noise=NOISE_CHANNELS,
         pulses=PULSES,
     )
+
+
+@functools.lru_cache(maxsize=16)
+def closed_by(loop: Loop, drive: str, curves: Curves, observer: Observer, corrected: bool, Delta: str) -> Loop:
+    """The same loop, whose controller knows the estimates of `observer`, and of Δ what DELTAS has under that name."""
+    system = pair_system(curves)
+    sees = eyes(estimator_of(observer, corrected, system, activations=False), tendons(system))
+    activations = any(kind_of(name) == "a" for name in loop.truth.y)
+    return replace(loop, truth=_seen(closed_loop(drive, curves, None, sees, DELTAS[Delta]), activations))
 
 
 @functools.lru_cache(maxsize=16)
@@ -102,7 +115,8 @@ def all_paths(own: tuple[Observer, ...] = (), curves: Curves = NGUYEN2019, corre
     # spelled as a run spells it, which finds the loop in memory
     rest = (None, QUANTITIES, MEASURES)
     loops = [paper_loop(drive, curves, (*OBSERVERS.values(), *own), corrected, *rest) for drive in DRIVES]
-    return paths_of([*(loop.truth for loop in loops), loops[0].sensors, *loops[0].observers, loops[0].score])
+    first = loops[0]
+    return paths_of([*(loop.truth for loop in loops), saturation(), first.sensors, *first.observers, first.score])
 
 
 @functools.lru_cache(maxsize=16)

@@ -9,6 +9,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ...observers import OBSERVERS, estimator_of
+from ...observers.feedback import RATE
 from ..files.errors import ScenarioError
 from ..files.numbers import parse_number, within
 from ..files.numbers import seed as checked_seed
@@ -16,7 +18,20 @@ from ..files.quote import shown, text
 from ..laboratory.subject import Subject, subject_again
 from .layers import SUFFIX, Layer, Value, changes_of
 from .paths import Paths
-from .world import CHOICES, DRIVE, GROUPED, MECHANISM, TRACKS, World, controlled, drives, world_of
+from .world import (
+    CHOICES,
+    DELTA,
+    DRIVE,
+    FEEDBACK,
+    GROUPED,
+    MECHANISM,
+    STATES,
+    TRACKS,
+    World,
+    controlled,
+    drives,
+    world_of,
+)
 
 _WHOLE = re.compile(r"[+-]?\d{1,20}", re.ASCII)
 
@@ -64,7 +79,9 @@ def choices(layers: Sequence[Layer], mechanism: str = "") -> dict[str, str]:
     mechanism: what is in its mechanism's file as JSON, if it has one.
     """
     if not mechanism:
-        return _chosen(layers, (*GROUPED.items(), *((path, (path,)) for path in CHOICES)), VALID_CHOICES)
+        chosen = _chosen(layers, (*GROUPED.items(), *((path, (path,)) for path in CHOICES)), VALID_CHOICES)
+        _check_feedback({path: chosen.get(path, valid[0]) for path, valid in CHOICES.items()})
+        return chosen
     subject = subject_again(json.loads(mechanism))
     chosen = _chosen(layers, [(DRIVE, (DRIVE,))], {DRIVE: drives(subject)})
     for layer in layers:
@@ -86,6 +103,17 @@ def _chosen(
                 if group in layer.leaves:
                     chosen |= dict.fromkeys(members, _choice(group, layer.leaves[group], valid[group]))
     return chosen
+
+
+def _check_feedback(chosen: Mapping[str, str]) -> None:
+    feedback = chosen[FEEDBACK]
+    if feedback != STATES and chosen[DRIVE] == "given":
+        raise ScenarioError(f"{FEEDBACK} = {feedback} needs a controller, and {DRIVE} = given has none")
+    known, _, with_rate = CHOICES[DELTA]
+    if feedback == STATES and chosen[DELTA] != known:
+        raise ScenarioError(f"{DELTA} = {chosen[DELTA]} needs an observer that estimates it: name it as {FEEDBACK}")
+    if chosen[DELTA] == with_rate and RATE not in estimator_of(OBSERVERS[feedback], corrected=False).x:
+        raise ScenarioError(f"{DELTA} = {with_rate} needs an observer that estimates it, and {feedback} does not")
 
 
 def _tracked(typed: str, subject: Subject) -> str:

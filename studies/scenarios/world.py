@@ -15,7 +15,7 @@ from ...model.plant import DRIVES
 from ...model.signals.pulses import PULSES
 from ...model.symbols import MUSCLES
 from ...model.system import System, pair_system
-from ...observers import Observer
+from ...observers import OBSERVERS, Observer
 from ..files.errors import ScenarioError
 from ..files.pages import recordings
 from ..files.quote import shown, text
@@ -23,14 +23,19 @@ from ..laboratory.mechanisms.reading import read_mechanism
 from ..laboratory.mechanisms.writing import mechanism_file
 from ..laboratory.subject import Subject, is_mechanism, subject_again
 from .layers import SUFFIX, Layer
-from .loops import all_paths, loop_of_mechanism, paper_loop, paths_of_mechanism
+from .loops import DELTAS, all_paths, closed_by, loop_of_mechanism, paper_loop, paths_of_mechanism
 from .observers import compiled_with
 from .paths import Paths
 
 DRIVE, TRACKS, MECHANISM = "plant.drive", "controller.tracks", "mechanism"
+FEEDBACK, DELTA = "controller.feedback", "controller.Delta"
+STATES = "states"
 # the keys of a scenario of the pair that are no numbers, and what they may be; the first is the default
 CHOICES: Mapping[str, tuple[str, ...]] = {
     DRIVE: tuple(DRIVES),
+    # what the controller takes for the states, and for Δ: the truth, or estimates
+    FEEDBACK: (STATES, *OBSERVERS),
+    DELTA: tuple(DELTAS),
     **{f"{muscle}.curves": SIMULATED for muscle in MUSCLES},
 }
 # several at once, before those of one muscle
@@ -64,7 +69,11 @@ class PairWorld:
     ) -> Loop:
         """The closed loop with all registered observers, so that one library serves whatever is asked for."""
         observers = compiled_with(chosen)
-        return paper_loop(self.choices[DRIVE], self.curves, observers, corrected, None, quantities, measures)
+        closing = OBSERVERS.get(self.choices[FEEDBACK])
+        loop = paper_loop(self.choices[DRIVE], self.curves, observers, corrected, None, quantities, measures)
+        if closing is None:
+            return loop
+        return closed_by(loop, self.choices[DRIVE], self.curves, closing, corrected, self.choices[DELTA])
 
 
 @dataclass(frozen=True)

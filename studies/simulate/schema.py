@@ -99,7 +99,7 @@ def curves_by_muscle(dataset: xr.Dataset) -> dict[str, CurveSet]:
 def chosen_curves(choices: Mapping[str, str]) -> Curves:
     """The curve sets that the choices of a result name. ResultError if there are none of that name."""
     for path, valid in CHOICES.items():
-        if choices.get(path) not in valid:
+        if choices.get(path, valid[0]) not in valid:
             raise ResultError(f"its {path} must be one of {', '.join(valid)}")
     return curves_of(choices)
 

@@ -89,7 +89,7 @@ class Plan:
         """What computes the runs; in a long sweep the numbers that no axis sets are written into its code."""
         loop, prepared = self.prepared.loop, self.prepared
         swept = {block.name: {place for _, places in self.reach(block) for place in places} for block in loop.blocks}
-        pays = PAYS_WITH_ONE_TRUTH if not swept[loop.truth.name] else PAYS
+        pays = PAYS if swept[loop.truth.name] or loop.noisy else PAYS_WITH_ONE_TRUTH
         if self.runs * prepared.grid.steps < pays:
             return loop
         fixed = {}
