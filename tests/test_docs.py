@@ -28,6 +28,7 @@ from hillobs.studies.files.pages import documentation
 from hillobs.studies.scenarios.layers import shipped
 from hillobs.studies.scenarios.loops import all_paths
 from hillobs.studies.scenarios.prepare import prepare
+from hillobs.studies.scenarios.scenario import VALID_CHOICES
 from places import DATA, DOCS, FENCED, RECORDINGS, ROOT, anchors
 
 README = ROOT / "README.md"
@@ -201,7 +202,7 @@ def test_the_commands_of_a_page_run(page: Path, desk: Path) -> None:
 
 def test_the_numbers_that_shown_commands_change_exist() -> None:
     # the last one is of the pages' own observer
-    paths = {"seed", "muscle.curves", "muscle1.curves", "muscle2.curves", "plant.drive", "mine.gain"}
+    paths = {"seed", *VALID_CHOICES, "mine.gain"}
     for curves in (NGUYEN2019, THELEN2003):
         paths |= all_paths((), curves).parameters.keys() | all_paths((), curves).groups().keys()
     of_arm = prepare("arm", "high_gain", {}).paths

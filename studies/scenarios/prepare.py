@@ -22,7 +22,7 @@ from .observers import Observers, observers_named, own_among
 from .paths import Paths
 from .rules import Rule, rules
 from .scenario import Scenario, choices, scenario
-from .world import named_mechanism, world_of
+from .world import FEEDBACK, named_mechanism, world_of
 
 BASELINE = "baseline"
 
@@ -147,11 +147,11 @@ def _check_numbers(prepared: Prepared) -> None:
 
 
 def _check_samples(prepared: Prepared) -> None:
-    for block in prepared.loop.observers:
-        if block.name in prepared.observers and block.next and not prepared.grid.hold:
-            raise ScenarioError(
-                f"{block.name} moves at samples only, and noise.period = 0 takes none; it must be above 0"
-            )
+    sampled = [block.name for block in prepared.loop.observers if block.name in prepared.observers and block.next]
+    if prepared.loop.truth.next:
+        sampled.append(f"what {FEEDBACK} names")
+    if sampled and not prepared.grid.hold:
+        raise ScenarioError(f"{sampled[0]} moves at samples only, and noise.period = 0 takes none; it must be above 0")
 
 
 def _check_variables(prepared: Prepared) -> None:

@@ -96,12 +96,12 @@ def test_no_observer_loses_the_plant(observer: str, Delta: str) -> None:
 
 
 def test_peaks_of_an_observer_do_not_reach_the_controller() -> None:
-    run, freer = (
-        hillobs.simulate("paper-noisy", changes={**CLOSED, **SHORT, "feedback.Delta_max": most}) for most in (0.01, 10)
-    )
+    bounded, free = ({f"feedback.{name}_max": most for name in ("x2", "Delta")} for most in (0.01, 10))
+    run, freer = (hillobs.simulate("paper-noisy", changes={**CLOSED, **SHORT, **most}) for most in (bounded, free))
     assert abs(run.Delta_hat.sel(observer="high_gain")).max() > 0.1
-    assert json.loads(run.attrs["guards"])["truth"]["feedback.Delta_limit"] > 0.1
-    assert "feedback.Delta_limit" not in json.loads(freer.attrs["guards"])["truth"]
+    active, never = (json.loads(each.attrs["guards"])["truth"] for each in (run, freer))
+    assert min(active["feedback.Delta_limit"], active["feedback.x2_limit"]) > 0.1
+    assert not {"feedback.Delta_limit", "feedback.x2_limit"} & set(never)
     block, given = saturation(), {"x2_hat": -3.0, "Delta_hat": 0.7}
     function = ca.Function("f", [block.u.vector(), block.p.vector()], [block.y.vector()])
     numbers = [parameter.default for parameter in block.parameters.values()]
@@ -116,6 +116,8 @@ def test_peaks_of_an_observer_do_not_reach_the_controller() -> None:
         ("paper-noisy", {FEEDBACK: "high_gain", DELTA: "estimated with rate"}, "high_gain does not"),
         ("activation", {FEEDBACK: "high_gain"}, "needs a controller"),
         ("paper-noisy", {FEEDBACK: "nobody"}, "must be one of states, high_gain"),
+        ("paper-noisy", {FEEDBACK: "kalman", "noise.period": 0.0}, "names moves at samples only"),
+        ("arm", {FEEDBACK: "high_gain"}, "controller.feedback"),
     ],
 )
 def test_what_cannot_be_closed_is_refused(scenario: str, changes: dict[str, str], words: str) -> None:

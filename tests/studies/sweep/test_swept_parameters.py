@@ -165,10 +165,10 @@ def test_the_force_limit_of_muscle_2_reaches_a_run_in_which_it_lengthens(drive: 
 
 
 def test_no_parameter_is_forgotten() -> None:
-    """All paths of the table are numbers of the run itself, or of a Block with one of the drives."""
+    """All paths of the table are numbers of the run itself, or of a Block: of each drive, and closed on estimates."""
     found = set(RUN)
-    for drive in DRIVES:
-        blocks = prepare("paper-noisy", None, {"plant.drive": drive}).loop.blocks
+    for choice in (*({"plant.drive": drive} for drive in DRIVES), {"controller.feedback": "high_gain"}):
+        blocks = prepare("paper-noisy", None, choice).loop.blocks
         found |= {path for block in blocks for path in block_paths(block)}
     # what all Blocks share that have it has a path of its own
     shared = {parameter.shared for parameter in all_paths().parameters.values() if parameter.shared}
