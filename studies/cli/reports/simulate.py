@@ -13,6 +13,7 @@ from rich.text import Text
 from ....model.symbols import muscle_of
 from ....observers import label
 from ...scenarios.prepare import BASELINE
+from ...scenarios.world import FEEDBACK, STATES
 from ...simulate.measures import numbers
 from ...simulate.series import label_of
 from ...simulate.step_error import SHOWN_FROM, error_of, relative
@@ -118,13 +119,19 @@ def notes(dataset: xr.Dataset) -> Iterator[str]:
 
 
 def _led(dataset: xr.Dataset) -> Iterator[str]:
-    """How closely a mechanism follows its reference, and in which units all numbers are."""
+    """How closely a position follows its reference; of a mechanism also in which units all numbers are."""
+    start = json.loads(dataset.attrs["parameters"])["score.start"]
+    late = dataset.time.values >= start
     if "joint" not in dataset:
+        # a plant that failed is nowhere
+        if "r" in dataset and (known := late & dataset.x.notnull().all("state").values).any():
+            off = abs(dataset.x.sel(state="x1") - dataset.r).values[known].max()
+            feedback = json.loads(dataset.attrs["choices"]).get(FEEDBACK, STATES)
+            sees = "" if feedback == STATES else f", with the controller on the estimates of {label(feedback)}"
+            yield f"x1 is within {off:.2g} of its reference from τ = {start:g} on{sees}"
         return
     scales = json.loads(dataset.attrs["scales"])
     if "place" in dataset:
-        start = json.loads(dataset.attrs["parameters"])["score.start"]
-        late = dataset.time.values >= start
         off_by = np.abs(dataset["at"].values - dataset["r"].values)[late].max(axis=0, initial=0.0)
         for name, off in zip(dataset.place.values.tolist(), off_by.tolist(), strict=True):
             metres = f" ({off * scales['length']:.2g} m)" if "." in name else ""

@@ -15,6 +15,7 @@ from hillobs.model.block import Block, BlockError, Symbols, symbols
 from hillobs.model.wiring import wire
 from hillobs.observers import OBSERVERS
 from hillobs.observers.feedback import saturation
+from hillobs.studies.cli.reports.simulate import notes
 from hillobs.studies.export.pages import export_page
 from hillobs.studies.files.errors import ScenarioError
 from hillobs.studies.scenarios.prepare import prepare
@@ -142,3 +143,15 @@ def test_a_start_may_follow_from_that_of_another_part() -> None:
     assert float(ca.Function("x0", [wired.u.w], [wired.x0["second.x"]])(0.5)) == 2 * (3 + 0.5)
     with pytest.raises(BlockError, match="both: states whose starts depend on each other"):
         wire("both", [first, second], {"first.u": "second.x", "second.u": "first.x"})
+
+
+def test_the_report_says_whose_estimates_the_controller_takes() -> None:
+    run = hillobs.simulate("paper-noisy", changes={**CLOSED, **SHORT})
+    late = run.time >= SHORT["score.start"]
+    off = float(abs(run.x.sel(state="x1") - run.r).where(late).max())
+    words = f"x1 is within {off:.2g} of its reference from τ = 0.2 on"
+    assert f"{words}, with the controller on the estimates of HGO" in list(notes(run))
+    assert f"{words}" in list(notes(run.assign_attrs(choices=json.dumps({"plant.drive": "virtual"}))))
+    lost = run.assign(x=run.x.where(run.time < 0.5))
+    assert any(sentence.startswith("x1 is within") for sentence in notes(lost))
+    assert not any(sentence.startswith("x1 is within") for sentence in notes(run.assign(x=run.x * np.nan)))
