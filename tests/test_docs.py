@@ -121,10 +121,10 @@ def arguments(line: str) -> list[str]:
 
 
 def command_of(given: list[str]) -> tuple[click.Command, list[str]]:
-    """The command, which may be one of a group, and the words after its name."""
+    """The command, which may be one of a group, and the words after its name; the group itself before an option."""
     command: click.Command = commands
     words = list(given)
-    while isinstance(command, click.Group):
+    while isinstance(command, click.Group) and not words[0].startswith("-"):
         name = words.pop(0)
         inner = command.get_command(click.Context(command), name)
         assert inner is not None, f"there is no `hillobs {name}`"
