@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import gzip
 import hashlib
 import os
@@ -48,10 +49,12 @@ def lay(box: Path, files: Mapping[str, Mapping[str, Any]], result: Callable[[str
         (box / name).write_text(text)
     for name, entry in files.items():
         path = os.path.join(box, DESK, name)
-        os.makedirs(os.path.dirname(path), exist_ok=True)
-        _put(path, entry, result)
-        if "mode" in entry:
-            os.chmod(path, entry["mode"])
+        # a drawn name may be that of a file and of a folder: who comes first has it
+        with contextlib.suppress(FileExistsError, NotADirectoryError, IsADirectoryError):
+            os.makedirs(os.path.dirname(path), exist_ok=True)
+            _put(path, entry, result)
+            if "mode" in entry:
+                os.chmod(path, entry["mode"])
     for path in _all(box):
         os.utime(path, ns=(_LONG_AGO, _LONG_AGO), follow_symlinks=False)
 
