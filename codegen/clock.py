@@ -1,4 +1,4 @@
-"""What follows from time and the step alone is computed once for all runs of a batch, not in each."""
+"""What follows from time and the step alone is computed once for all runs of a vector, not in each."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import casadi as ca
 
-from .constants import extracted
+from .constants import closed, extracted, opened
 from .lowering import as_written
 
 # these roles run once and take the time itself
@@ -21,24 +21,17 @@ def clocked(name: str, table: Mapping[str, ca.Function]) -> dict[str, ca.Functio
     moving = {role: f for role, f in table.items() if role not in _ONCE}
     t, c = ca.SX.sym("t"), ca.SX.sym("c", table["constants"].numel_out("c"))
     uniform = ca.vertcat(t, *(c[i] for i in _of_the_step(table["constants"])))
-    arguments: dict[str, dict[str, ca.SX]] = {}
-    results: list[ca.SX] = []
     with as_written():
-        for role, f in moving.items():
-            own = {"t": t, "c": c}
-            arguments[role] = {n: own.get(n, ca.SX.sym(n, *f.size_in(n))) for n in f.name_in()}
-            results += f.call(list(arguments[role].values()))
+        arguments, results = opened(moving, {"t": t, "c": c})
         reduced, symbols, values = _moving(*extracted(results, uniform), t)
         row = ca.SX.sym("t", len(symbols))
         reduced = ca.cse(ca.substitute(reduced, symbols, ca.vertsplit(row)) if symbols else reduced)
-    done = {role: f for role, f in table.items() if role in _ONCE}
     clock = ca.cse(ca.densify(ca.vertcat(*values)))
-    done["clock"] = ca.Function(f"{name}_clock", [t, c], [clock], ["t", "c"], ["row"])
-    for role, f in moving.items():
-        outputs, reduced = reduced[: f.n_out()], reduced[f.n_out() :]
-        inputs = {**arguments[role], "t": row}
-        done[role] = ca.Function(f"{name}_{role}", [*inputs.values()], outputs, [*inputs], f.name_out())
-    return done
+    return {
+        **{role: f for role, f in table.items() if role in _ONCE},
+        "clock": ca.Function(f"{name}_clock", [t, c], [clock], ["t", "c"], ["row"]),
+        **closed(name, moving, [{"t": row, **inputs, "c": c} for inputs in arguments], reduced),
+    }
 
 
 def _of_the_step(constants: ca.Function) -> list[int]:

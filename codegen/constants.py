@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import itertools
+from collections.abc import Mapping, Sequence
 
 import casadi as ca
 
@@ -20,13 +21,7 @@ def hoisted(name: str, table: Mapping[str, ca.Function]) -> dict[str, ca.Functio
     """
     moving = {role: f for role, f in compiled(table).items() if role not in _ONCE}
     h, p = ca.SX.sym("h"), ca.SX.sym("p", table["init"].numel_in("p"))
-    arguments: dict[str, dict[str, ca.SX]] = {}
-    results: list[ca.SX] = []
-    for role, f in moving.items():
-        own = {"h": h, "p": p}
-        inputs = {n: own.get(n, ca.SX.sym(n, *f.size_in(n))) for n in f.name_in()}
-        arguments[role] = {n: symbol for n, symbol in inputs.items() if n not in own}
-        results += f.call(list(inputs.values()))
+    arguments, results = opened(moving, {"h": h, "p": p})
     with as_written():
         reduced, symbols, values = extracted(ca.cse(results), ca.vertcat(h, p))
         c = ca.SX.sym("c", len(symbols))
@@ -36,9 +31,26 @@ def hoisted(name: str, table: Mapping[str, ca.Function]) -> dict[str, ca.Functio
         **{role: table[role] for role in _ONCE if role in table},
         "constants": ca.Function(f"{name}_constants", [h, p], [constants], ["h", "p"], ["c"]),
     }
-    for role, f in moving.items():
-        outputs, reduced = reduced[: f.n_out()], reduced[f.n_out() :]
-        inputs = {**arguments[role], "c": c}
+    return {**done, **closed(name, moving, [{**inputs, "c": c} for inputs in arguments], reduced)}
+
+
+def opened(table: Mapping[str, ca.Function], own: Mapping[str, ca.SX]) -> tuple[list[dict[str, ca.SX]], list[ca.SX]]:
+    """The other arguments of each function, as fresh symbols, and the results of all, one list, in these and `own`."""
+    arguments, results = [], []
+    for f in table.values():
+        inputs = {n: own[n] if n in own else ca.SX.sym(n, *f.size_in(n)) for n in f.name_in()}
+        arguments.append({n: symbol for n, symbol in inputs.items() if n not in own})
+        results += f.call(list(inputs.values()))
+    return arguments, results
+
+
+def closed(
+    name: str, table: Mapping[str, ca.Function], arguments: Sequence[Mapping[str, ca.SX]], results: Sequence[ca.SX]
+) -> dict[str, ca.Function]:
+    """Functions of a block again, by the roles of `table`, of `arguments` and with what has become of their results."""
+    done, rest = {}, iter(results)
+    for (role, f), inputs in zip(table.items(), arguments, strict=True):
+        outputs = list(itertools.islice(rest, f.n_out()))
         done[role] = ca.Function(f"{name}_{role}", [*inputs.values()], outputs, [*inputs], f.name_out())
     return done
 

@@ -9,7 +9,6 @@ from ..model.dialect import clamp, outside
 from ..model.sensors import NOISE_CHANNELS, SENSED, sensors
 from ..model.symbols import STATES, hat
 from ..model.wiring import rename, wire
-from .tendons import tendons
 
 _CHOSEN = "chosen, docs/model.md#feedback"
 PARAMETERS = {
@@ -34,15 +33,15 @@ def saturation() -> Block:
     return Block("feedback", u=u, p=p, parameters=PARAMETERS, y=y, guards=guards)
 
 
-def eyes(estimator: Block, lengths: Block | None = None) -> Block:
+def eyes(estimator: Block, lengths: Block) -> Block:
     """From what sensors look at, and their held noise, to the estimates that a controller takes for the truth.
 
     estimator: of an observer of the pair; its numbers keep its name, `high_gain.eps_h`. Where Δ̂ has a rate among its
-    states, that is told too. lengths: what tells the tendons' lengths, those of the paper's curves by default.
+    states, that is told too. lengths: what tells the lengths of the tendons.
     """
-    if told := [name for name in (RATE,) if name in estimator.x]:
-        estimator = replace(estimator, y=Symbols({**estimator.y, **estimator.x.only(told)}))
-    look, lengths, limit = sensors(), lengths or tendons(), saturation()
+    told = [RATE] if RATE in estimator.x else []
+    estimator = replace(estimator, y=Symbols({**estimator.y, **estimator.x.only(told)}))
+    look, limit = sensors(), saturation()
     measured = {port: f"{look.name}.{port}" for port in look.y} | {port: f"{lengths.name}.{port}" for port in lengths.y}
     connections = {
         **{f"{look.name}.{port}": port for port in look.u},

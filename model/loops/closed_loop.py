@@ -24,8 +24,8 @@ TAUT = ("taut1", "taut2")
 KNOWN = {"Delta": "uncertainty.Delta", "dDelta": "uncertainty.dDelta"}
 ESTIMATED: Mapping[str, str | float] = {"Delta": f"eyes.{hat('Delta')}", "dDelta": 0.0}
 ESTIMATED_WITH_RATE = {"Delta": f"eyes.{hat('Delta')}", "dDelta": f"eyes.{hat('dDelta')}"}
-# parameters of these parts are known by other names, signals of those without the part's
-_PREFIXES = {"pulses": "", "activations": "", "eyes": ""}
+# parameters of these parts, and signals of those, are known without the part's name
+_PLAIN = ("pulses", "activations", "eyes")
 _BARE = ("plant", "uncertainty", "reference")
 
 
@@ -90,9 +90,7 @@ def _names(wired: Block) -> dict[str, str]:
     names = {}
     for key in wired.p:
         part, _, rest = key.partition(".")
-        if part in _PREFIXES:
-            names[key] = _PREFIXES[part] + rest
-        elif part == "plant" and rest.startswith("muscle"):
+        if part in _PLAIN or (part == "plant" and rest.startswith("muscle")):
             names[key] = rest
     for key in (*wired.x, *wired.y):
         part, _, rest = key.partition(".")
