@@ -47,6 +47,7 @@ if TYPE_CHECKING:
     from .studies.sweep.cluster.client import ClusterWarning
     from .studies.sweep.computing import SweepWarning
     from .studies.sweep.run import sweep
+    from .studies.tune.run import Tuned, tune
     from .studies.verdict.run import verdict
 
 _NAMES = {
@@ -79,6 +80,7 @@ _NAMES = {
     ".studies.sweep.cluster.client": ("ClusterWarning",),
     ".studies.sweep.computing": ("SweepWarning",),
     ".studies.sweep.run": ("sweep",),
+    ".studies.tune.run": ("Tuned", "tune"),
     ".studies.verdict.run": ("verdict",),
 }
 _PLACES = {name: module for module, names in _NAMES.items() for name in names}
@@ -126,6 +128,7 @@ __all__ = [
     "Symbols",
     "Tree",
     "TreeError",
+    "Tuned",
     "__version__",
     "arguments",
     "conformance",
@@ -146,5 +149,6 @@ __all__ = [
     "simulate",
     "sweep",
     "symbols",
+    "tune",
     "verdict",
 ]

@@ -216,4 +216,9 @@ def gains(s: Sizes, T: float) -> dict[str, float]:
     }
 
 
-ADAPTIVE_SLIDING_MODE = Observer("ASMO", chains, None, theorem, gains, rates)
+# α₀ follows from β₀; dead zones and guards stay as they are
+TUNED = (
+    *("beta0", "eta1", "eta2", "a_dual", "l0", "r00", "r01", "r02", "tau_a", "eps_a0", "eps_a1", "eps_a2"),
+    *("alpha_a1", "alpha_a2", "gamma_a0", "gamma_a1", "gamma_a2", "delta_a", "delta_1", "delta_L"),
+)
+ADAPTIVE_SLIDING_MODE = Observer("ASMO", chains, None, theorem, gains, rates, tuned=TUNED)

@@ -76,4 +76,6 @@ def gains(s: Sizes, T: float) -> dict[str, float]:
     return {"eps_h": s.eps_1, "eps_L": s.eps_L3}
 
 
-HIGH_GAIN_3 = Observer("HGO3", chains, None, theorem, gains, rates, LIMIT)
+# ε_h and ε_L scale these
+TUNED = tuple(h for chain in _CHAINS for h in chain)
+HIGH_GAIN_3 = Observer("HGO3", chains, None, theorem, gains, rates, LIMIT, tuned=TUNED)

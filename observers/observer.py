@@ -114,6 +114,7 @@ class Observer:
     period: str = ""  # its number that is the sampling period, if it has one
     fitted: bool = False  # a recording is passed as a whole, to find its numbers by likelihood and to smooth
     apart: Callable[[System], Block] | None = None  # of other systems, what follows from its filters over a recording
+    tuned: tuple[str, ...] = ()  # the numbers that `tune` changes; none: all positive ones of its own
 
     def block(self, corrected: bool = False, system: System = PAIR) -> Block:
         """The observer of a system, its layers, if it has any, `corrected` or not.

@@ -118,4 +118,5 @@ def gains(s: Sizes, T: float) -> dict[str, float]:
     }
 
 
-SLIDING_MODE = Observer("SMO", chains, None, theorem, gains, rates)
+TUNED = ("alpha11", "lambda11", "alpha2", "alpha3", "tau_s", "delta_s", "delta_L")
+SLIDING_MODE = Observer("SMO", chains, None, theorem, gains, rates, tuned=TUNED)

@@ -105,4 +105,6 @@ def gains(s: Sizes, T: float) -> Mapping[str, float]:
     return {"sigma_1": known.sigma_1, "sigma_L": known.sigma_L, **densities(known, T), "T": T}
 
 
-KALMAN_CONSTANT = Observer("KF const", chains, gains=gains, rates=rates, limit=LIMIT, period="T")
+KALMAN_CONSTANT = Observer(
+    "KF const", chains, gains=gains, rates=rates, limit=LIMIT, period="T", tuned=("s_D", "s_u1", "s_u2")
+)

@@ -51,4 +51,6 @@ def _named(mean: ca.SX) -> dict[str, ca.SX]:
     return dict(zip(MEAN, ca.vertsplit(mean), strict=True))
 
 
-KALMAN = Observer("KF", whole=kalman, apart=estimates_apart, gains=gains, rates=no_rates, fitted=True)
+# what is measured alone, the noise, stays as it is
+TUNED = ("s_D", "s_u1", "s_u2")
+KALMAN = Observer("KF", whole=kalman, apart=estimates_apart, gains=gains, rates=no_rates, fitted=True, tuned=TUNED)

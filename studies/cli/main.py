@@ -24,6 +24,7 @@ _READER_GONE = 141
 _COMMANDS: Mapping[str, tuple[str, str]] = {
     "simulate": ("simulate", "Simulate scenarios: measures, results, figures."),
     "sweep": ("sweep", "Run a scenario over parameters and seeds."),
+    "tune": ("tune", "Find gains of an observer by trial."),
     "estimate": ("estimate", "Estimate activations and more from a recording."),
     "live": ("live", "Estimate from samples as they come, line by line."),
     "import": ("importing", "Make a mechanism file of an OpenSim model."),

@@ -26,7 +26,7 @@ from ..laboratory.mechanisms.mechanism import Mechanism
 from ..laboratory.muscles import MusclePair
 from ..laboratory.recording import Recording
 from ..laboratory.subject import Subject
-from ..scenarios.layers import SUFFIX, Value, layers, shipped
+from ..scenarios.layers import SUFFIX, Value, written
 from ..scenarios.paths import paths_of
 from ..scenarios.prepare import prepare
 from ..scenarios.world import PairWorld
@@ -140,13 +140,4 @@ def _of_scenario(source: str | Path, changes: Mapping[str, Value], progress: Pro
     table = record.table()
     choice = chosen_inputs(record, [settled(table[part]) for part in segments(len(record))], by_hand, next(parts))
     found = {f"{KALMAN}.{name}": choice.fit.numbers[name] for name in _FOUND}
-    return Fitted(usual.label, _written(source, changes), found, {INPUTS: manifest(choice)}, len(y))
-
-
-def _written(source: str | Path, changes: Mapping[str, Value]) -> dict[str, object]:
-    """What a file of this scenario has to say."""
-    _, stacked = layers(source, changes)
-    written: dict[str, object] = {}
-    for layer in stacked:
-        written |= {"base": layer.origin} if layer.origin in shipped() else layer.leaves
-    return written
+    return Fitted(usual.label, written(source, changes), found, {INPUTS: manifest(choice)}, len(y))

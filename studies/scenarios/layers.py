@@ -66,6 +66,14 @@ def layers(source: str | Path, changes: Mapping[str, Value]) -> tuple[str, list[
     return text(f"{path}: its name", path.stem), [*below, layer(name, content), top]
 
 
+def written(source: str | Path, changes: Mapping[str, Value]) -> dict[str, object]:
+    """What a file of this scenario has to say: path → value, and its base. ScenarioError as for `layers`."""
+    said: dict[str, object] = {}
+    for one in layers(source, changes)[1]:
+        said |= {_BASE: one.origin} if one.origin in shipped() else one.leaves
+    return said
+
+
 def changes_of(path: str) -> dict[str, Any]:
     """Path → value of a .toml file that is no scenario of its own. ScenarioError if it cannot be read, or is one."""
     content = read_toml(Path(path))

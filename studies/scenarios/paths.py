@@ -89,10 +89,10 @@ class Paths:
     def groups(self) -> dict[str, Parameter]:
         """The paths that set several numbers at once, and what they set."""
         return {
-            path.replace(members[0], group, 1): parameter
-            for group, members in self.members.items()
+            path.replace(first, group, 1): parameter
+            for group, (first, *others) in self.members.items()
             for path, parameter in self.parameters.items()
-            if members[0] in path.split(".")
+            if first in path.split(".") and all(path.replace(first, one, 1) in self.parameters for one in others)
         }
 
     def value(self, path: str, given: Mapping[str, float]) -> float:

@@ -142,14 +142,15 @@ def parse_axis(text: str) -> tuple[str, Values]:
 def _listed(path: str, given: Values) -> Array:
     """All values of an axis."""
     if isinstance(given, Range):
-        _check(path, given)
+        check_range(path, given)
         if given.count < 1:
             raise ScenarioError(f"{path}: the range has no number of values; only a design can do without")
         return given.at(np.linspace(0, 1, given.count))
     return numbers(path, given, _MOST_VALUES)
 
 
-def _check(path: str, span: Range) -> None:
+def check_range(path: str, span: Range) -> None:
+    """ScenarioError if the range at `path` is empty, or cannot be logarithmic."""
     low, high = span.low, span.high
     if not math.isfinite(high - low):
         raise ScenarioError(f"{path}: the range from {low:g} to {high:g} is beyond all numbers")
@@ -166,7 +167,7 @@ def _design(over: Mapping[str, Values], kind: str, samples: int) -> tuple[Array,
             raise ScenarioError(f"{path}: a design needs a range, such as {path}=log:0.02:0.5")
         if given.count:
             raise ScenarioError(f"{path}: a design says itself how many samples; leave out the range's {given.count}")
-        _check(path, given)
+        check_range(path, given)
         ranges.append(given)
     if not ranges:
         raise ScenarioError("a design needs at least one range to sample")

@@ -176,6 +176,7 @@ main()
 WORDS = {
     "simulate": "simulate paper-clean",
     "sweep": "sweep --over plant.m=1,1.1",
+    "tune": "tune --observer high_gain",
     "estimate": "estimate no.csv --muscles no.toml",
     "live": "live --muscles no.toml",
     "import": "import no.osim",
