@@ -19,13 +19,9 @@ from ..scenarios.layers import Value
 from ..sweep.axes import Range
 from ..sweep.run import engine
 from .dataset import of_tests, of_trials
+from .journal import Journal
+from .search import Judge, Trials, front, search
 from .task import Objective, Task, task
-
-try:
-    from .journal import Journal
-    from .search import Judge, Trials, front, search
-except ImportError as error:
-    raise ScenarioError("tuning needs Optuna: pip install 'hillobs[tune]'") from error
 
 
 @dataclass(frozen=True)
