@@ -6,7 +6,7 @@ SPHINX := $(BIN)/python -m sphinx --quiet --keep-going --conf-dir docs/_site
 CODE := model observers codegen studies hillobs tests benchmarks docs
 
 .DEFAULT_GOAL := help
-.PHONY: help sim sweep estimate test portable check format lint types imports observability lag docs links page chaos hostile bench clean
+.PHONY: help sim sweep estimate test portable check format lint types imports observability lag league docs links page chaos hostile bench clean
 
 help: ## show this help
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 16
@@ -61,6 +61,9 @@ observability: $(VENV)/.installed ## ranks, maps and figures of docs/observabili
 
 lag: $(VENV)/.installed ## figure of docs/kalman.md: errors over the delay
 	$(BIN)/python -m hillobs.studies.cli.pages.lag
+
+league: $(VENV)/.installed ## every observer in every situation, the paper's claims tried: docs/league.md
+	$(BIN)/python -m hillobs.studies.cli.pages.league
 
 $(VENV)/.docs: $(VENV)/.installed
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[dev,docs]'

@@ -9,7 +9,7 @@ DATA, CORPUS, DOCS = TESTS / "data", TESTS / "corpus", ROOT / "docs"
 RECORDINGS = ROOT / "studies" / "laboratory" / "recordings"
 
 # the shipped scenarios that are not of a mechanism, which takes a minute to compile
-OF_THE_PAIR = ("paper-clean", "paper-noisy", "challenge", "slack", "slack-deep", "activation")
+OF_THE_PAIR = ("paper-clean", "paper-noisy", "tuned", "challenge", "slack", "slack-deep", "activation")
 
 # what a page shows as it is: fenced code
 FENCED = re.compile(r"^```.*?^```", re.DOTALL | re.MULTILINE)

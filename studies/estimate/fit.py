@@ -8,32 +8,21 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from ...model.arrays import Array
-from ...model.system import pair_system
-from ...observers import OBSERVERS, estimator
 from ...observers.kalman.parameters import INPUTS as OF_INPUTS
 from ...observers.kalman.parameters import NOISE
 from ..files.errors import ScenarioError
 from ..files.progress import Progress, shares, unseen
 from ..files.quote import shown
 from ..kalman.orders import chosen_inputs, manifest
-from ..kalman.record import Record, segments, settled
+from ..kalman.record import segments, settled
 from ..kalman.run import INPUTS
-from ..laboratory.laws import Laws
 from ..laboratory.mechanisms.mechanism import Mechanism
 from ..laboratory.muscles import MusclePair
 from ..laboratory.recording import Recording
 from ..laboratory.subject import Subject
 from ..scenarios.layers import SUFFIX, Value, written
-from ..scenarios.paths import paths_of
-from ..scenarios.prepare import prepare
-from ..scenarios.world import PairWorld
-from ..simulate.run import simulate_prepared
-from .follow import compiled_bank, follower_bank, lengths_block, measured_tendons
+from .of_scenario import sampled
 from .run import KALMAN, estimate
-from .sizes.first_pass import first_pass
 
 # what is found; what is measured alone, the noise, goes with it
 _FOUND = (*NOISE, *OF_INPUTS)
@@ -114,30 +103,12 @@ def _of_recording(
 
 
 def _of_scenario(source: str | Path, changes: Mapping[str, Value], progress: Progress) -> Fitted:
-    """Of a run of the scenario, whose samples are those of its noise."""
+    """Of a run of the scenario."""
     parts = shares(progress, [1, 1])
-    usual = prepare(source, None, changes)
-    if not (T := usual.value("noise.period")):
-        raise ScenarioError("noise.period = 0 takes no samples, and without noise there is nothing to weigh")
-    prepared = prepare(source, None, {**changes, "record": T})
-    y = simulate_prepared(prepared, next(parts)).y.values
-    if not np.isfinite(y).all():
-        raise ScenarioError(f"{prepared.label}: the plant fails; there is nothing to be likely")
-    world, paths = prepared.scenario.world, prepared.paths
-    if not isinstance(world, PairWorld):
-        raise ScenarioError(f"{prepared.label} is of a mechanism; densities are found for a pair")
-    curves = world.curves
-    compiled = compiled_bank(follower_bank(pair_system(curves), False, ()))
-    block = estimator(OBSERVERS[KALMAN].block(), pair_system(curves))
-    given = prepared.scenario.given
-    tendons = lengths_block(compiled.bank)
-    z, slopes = measured_tendons(compiled, np.array(paths_of([tendons]).values(tendons, given)), y)
-    numbers = dict(zip(block.p, paths.values(block, given), strict=True))
-    sizes = first_pass(Laws(pair_system(curves), numbers), y, z, T).pair
-    tau: Array = np.arange(float(len(y))) * T
-    record = Record(tau, y, z, slopes, np.ones(len(y), dtype=bool), numbers, sizes, T, curves)
-    by_hand = {name: given[path] for path in changes for name in [path.removeprefix(f"{KALMAN}.")] if name != path}
-    table = record.table()
-    choice = chosen_inputs(record, [settled(table[part]) for part in segments(len(record))], by_hand, next(parts))
+    of = sampled(source, changes, next(parts))
+    by_hand = {name: of.given[path] for path in changes for name in [path.removeprefix(f"{KALMAN}.")] if name != path}
+    table = of.record.table()
+    fitted_to = [settled(table[part]) for part in segments(len(of.record))]
+    choice = chosen_inputs(of.record, fitted_to, by_hand, next(parts))
     found = {f"{KALMAN}.{name}": choice.fit.numbers[name] for name in _FOUND}
-    return Fitted(usual.label, written(source, changes), found, {INPUTS: manifest(choice)}, len(y))
+    return Fitted(of.label, written(source, changes), found, {INPUTS: manifest(choice)}, len(of.record))

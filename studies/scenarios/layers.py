@@ -17,7 +17,7 @@ from ..files.toml import read_toml
 
 _SHIPPED = "hillobs.studies.scenarios"
 # the paper's two first, then the harder ones
-_ORDER = ("paper-clean", "paper-noisy", "challenge", "slack", "slack-deep", "activation")
+_ORDER = ("paper-clean", "paper-noisy", "tuned", "challenge", "slack", "slack-deep", "activation")
 # the key of a file that names the shipped scenario below it
 _BASE = "base"
 _DEEPEST = 8

@@ -67,9 +67,12 @@ class PairWorld:
     def loop(
         self, chosen: Mapping[str, Observer], corrected: bool, quantities: tuple[str, ...], measures: tuple[str, ...]
     ) -> Loop:
-        """The closed loop with all registered observers, so that one library serves whatever is asked for."""
-        observers = compiled_with(chosen)
+        """The closed loop with all registered observers, so that one library serves whatever is asked for.
+
+        Closed on an observer it has a library of its own anyway, with those that are asked for.
+        """
         closing = OBSERVERS.get(self.choices[FEEDBACK])
+        observers = compiled_with(chosen) if closing is None else tuple(chosen.values())
         loop = paper_loop(self.choices[DRIVE], self.curves, observers, corrected, None, quantities, measures)
         if closing is None:
             return loop
