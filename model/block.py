@@ -154,13 +154,14 @@ class Block:
     def _check_free_symbols(self) -> None:
         inputs = [*self.u.values(), *self.p.values()]
         for groups, known in (
-            (_EXPRESSIONS, [*self.x.values(), *inputs]),
+            (EXPRESSIONS, [*self.x.values(), *inputs]),
             (("x0",), inputs),
             (("limits",), [*self.p.values(), STEP]),
         ):
             allowed = {symbol.element_hash() for symbol in known}
+            entries = [entry for group in groups for entry in getattr(self, group).values()]
             # all at once first: to ask each costs more than all else that making a Block does
-            if not _strangers(ca.vertcat(*(getattr(self, group).vector() for group in groups)), allowed):
+            if not entries or not _strangers(ca.vertcat(*entries), allowed):
                 continue
             for group in groups:
                 for name, expression in getattr(self, group).items():
@@ -176,11 +177,11 @@ class Block:
 
     def rewritten(self, change: Callable[[Symbols], Symbols], **fields: object) -> Block:
         """A copy with `change` applied to each group of expressions, and `fields` replaced."""
-        changed: dict[str, Any] = {group: change(getattr(self, group)) for group in ("x0", "limits", *_EXPRESSIONS)}
+        changed: dict[str, Any] = {group: change(getattr(self, group)) for group in ("x0", "limits", *EXPRESSIONS)}
         return replace(self, **{**changed, **fields})
 
 
-_EXPRESSIONS = ("y", "dx", "next", "per_step", "guards", "domain")
+EXPRESSIONS = ("y", "dx", "next", "per_step", "guards", "domain")
 
 
 def _strangers(expression: ca.SX, allowed: Container[int]) -> list[str]:
@@ -193,7 +194,7 @@ def _scalars(block: str, group: str, given: Mapping[str, ca.SX | float]) -> Symb
     for name, value in given.items():
         # + makes a copy, at a tenth of the constructor's cost: an SX can be changed in place
         entry = +value if isinstance(value, ca.SX) else ca.SX(value)
-        if entry.shape != (1, 1):
+        if not entry.is_scalar():
             raise BlockError(f"{block}: {group}.{name} has the shape {entry.shape}; every component is a scalar")
         if group in ("x", "u", "p") and not entry.is_symbolic():
             raise BlockError(f"{block}: {group}.{name} must be a symbol, it is an expression")

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import casadi as ca
 
-from .block import Block, BlockError, Parameter, Symbols, symbols
+from .block import EXPRESSIONS, Block, BlockError, Parameter, Symbols, symbols
 
 Substitution = tuple[list[ca.SX], list[ca.SX]]
 
@@ -38,9 +38,23 @@ def wire(
     resolved = _resolve(name, inputs, outputs, connections, own)
     by = (list(inputs.values()), [resolved[port] for port in inputs])
     held = frozenset(port for port, kind in external.items() if kind == "held")
-    loose = _side_by_side(name, parts)
-    x0 = _starts(name, loose.x, _substitute(loose.x0, by))
-    return loose.rewritten(lambda entries: _substitute(entries, by), u=own, held=held, x0=x0)
+
+    def gathered(group: str) -> Symbols:
+        return Symbols({f"{part.name}.{key}": value for part in parts for key, value in getattr(part, group).items()})
+
+    x = gathered("x")
+    joined = {group: _substitute(gathered(group), by) for group in ("x0", *EXPRESSIONS)}
+    return Block(
+        name,
+        x=x,
+        u=own,
+        p=gathered("p"),
+        **{**joined, "x0": _starts(name, x, joined["x0"])},
+        parameters={f"{part.name}.{key}": value for part in parts for key, value in part.parameters.items()},
+        held=held,
+        limits=gathered("limits"),
+        parts=tuple(parts),
+    )
 
 
 def _starts(name: str, x: Symbols, x0: Symbols) -> Symbols:
@@ -52,30 +66,6 @@ def _starts(name: str, x: Symbols, x0: Symbols) -> Symbols:
             raise BlockError(f"{name}: states whose starts depend on each other")
         x0, turns = _substitute(x0, by), turns - 1
     return x0
-
-
-def _side_by_side(name: str, parts: Sequence[Block]) -> Block:
-    """The parts in one Block, all inputs still open."""
-
-    def gather(group: str) -> Symbols:
-        return Symbols({f"{part.name}.{key}": value for part in parts for key, value in getattr(part, group).items()})
-
-    return Block(
-        name=name,
-        x=gather("x"),
-        u=gather("u"),
-        p=gather("p"),
-        y=gather("y"),
-        dx=gather("dx"),
-        next=gather("next"),
-        per_step=gather("per_step"),
-        x0=gather("x0"),
-        parameters={f"{part.name}.{key}": value for part in parts for key, value in part.parameters.items()},
-        guards=gather("guards"),
-        domain=gather("domain"),
-        limits=gather("limits"),
-        parts=tuple(parts),
-    )
 
 
 def many(block: Block, names: Iterable[str]) -> list[Block]:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 import casadi as ca
 
-from ..model.block import Block, BlockError, Symbols, symbols
+from ..model.block import Block, BlockError, Parameters, Symbols
 from ..model.limits import limits
 from ..model.symbols import hat
 from ..model.system import PAIR as THE_PAIR
@@ -26,7 +26,6 @@ from .observer import Observer
 from .ports import ESTIMATES, inputs
 from .sliding_mode import SLIDING_MODE
 from .slopes import slopes_of, tendon_slopes
-from .tendons import tendons
 
 # figures choose their lines in this order: append new ones
 OBSERVERS: Mapping[str, Observer] = {
@@ -57,10 +56,11 @@ def estimator(observer: Block, system: System = THE_PAIR, activations: bool = Tr
     slopes, domain = slopes_of(system), system.length_parameters
     front = [tendon_slopes(system)] if any(name in slopes for name in observer.u) else []
     behind = _behind(observer, system) if activations else []
+    for part in (*front, *behind):
+        _refuse_clashes(observer, part.name, part.parameters, part.guards)
+    _refuse_clashes(observer, "tendons", system.tendon_parameters)
     # what bounds the estimates of every observer
-    bound = Block("domain", p=symbols(domain), parameters=domain)
-    for part in (*front, *behind, tendons(system), bound):
-        _refuse_clashes(observer, part)
+    _refuse_clashes(observer, "domain", domain)
     connections = {f"{observer.name}.{port}": f"slopes.{port}" if port in slopes else port for port in observer.u}
     connections |= {f"{part.name}.{port}": port for part in front for port in part.u}
     connections |= {f"{part.name}.{port}": f"{observer.name}.{port}" for part in behind for port in part.u}
@@ -105,18 +105,18 @@ def _behind(observer: Block, system: System) -> list[Block]:
     return [activation_estimate(system), *([spread(system)] if sure else [])]
 
 
-def _refuse_clashes(observer: Block, part: Block) -> None:
+def _refuse_clashes(observer: Block, part: str, parameters: Parameters, guards: Iterable[str] = ()) -> None:
     """A name of the observer that another part of its estimator has too must be the same shared number."""
-    for name, parameter in part.parameters.items():
+    for name, parameter in parameters.items():
         same = observer.parameters.get(name)
         if same is not None and (not same.shared or same.shared != parameter.shared):
             raise BlockError(
-                f"{observer.name}: the {part.name} wired to it has a parameter {name} too; give yours another name"
+                f"{observer.name}: the {part} wired to it has a parameter {name} too; give yours another name"
                 + (f", or share {parameter.shared}" if parameter.shared else "")
             )
-    if guards := [name for name in part.guards if name in observer.guards]:
+    if clashing := [name for name in guards if name in observer.guards]:
         raise BlockError(
-            f"{observer.name}: the {part.name} wired to it has the guard {guards[0]} too; give yours another name"
+            f"{observer.name}: the {part} wired to it has the guard {clashing[0]} too; give yours another name"
         )
 
 

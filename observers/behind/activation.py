@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -60,6 +61,8 @@ def formulas(system: System, u: Symbols, p: Symbols) -> Iterator[Formula]:
         yield Formula(muscle, a, L_C, drive, low, high, speed)
 
 
+# the same behind all observers
+@functools.lru_cache(maxsize=16)
 def activation_estimate(system: System = PAIR) -> Block:
     """Inputs: the estimates; outputs the activations in [0, 1]; guards say when a limit is active."""
     u, parameters = symbols(system.estimates), activation_parameters(system)
