@@ -15,7 +15,8 @@ from ..model.arrays import Array
 from ..model.block import Block
 from .cache import BuildError
 from .failure import Failure, failure
-from .loop import Loop, export_loop
+from .fingerprint import exported
+from .loop import Loop
 from .memory import Compiled, Grid, Memory, Whole
 from .shared_library import load
 from .structures import STRUCTURES, Batch
@@ -54,7 +55,7 @@ class CompiledLoop:
 
     def __init__(self, loop: Loop, target: str = NATIVE) -> None:
         self.loop, self.target = loop, target
-        source = export_loop(loop)
+        source = exported(loop)
         self.path, self.dll = load(source, target)
         self.dll.hillobs_start.argtypes = (ctypes.POINTER(Batch),)
         self.dll.hillobs_advance.argtypes = (ctypes.POINTER(Batch), ctypes.c_int64)

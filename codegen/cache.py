@@ -1,7 +1,7 @@
 """Where compiled libraries live: found by the hash of all that determines them, checked before each load.
 
 An entry is `<key>.json`, its manifest, `<key>-<hash of the library>.so`, and `<key>.cpp`, the source, for people to
-read; nothing on disk is believed unproved.
+read. Under a key of its own `<key>.exported` spares an export. Nothing on disk is believed unproved.
 """
 
 from __future__ import annotations
@@ -32,7 +32,8 @@ ABI = 1  # what a library and its caller agree on; raised with each change of th
 MANIFEST_LIMIT, SOURCE_LIMIT = 1_000_000, 50_000_000  # bytes
 ZIG_FOLDER = "hillobs-zig"
 
-_OURS = re.compile(r"([0-9a-f]{64})(?:\.json|\.lock|\.cpp|-[0-9a-f]{16}\.so|-\w+\.tmp)")
+_OURS = re.compile(r"([0-9a-f]{64})(?:\.json|\.lock|\.cpp|\.exported|-[0-9a-f]{16}\.so|-\w+\.tmp)")
+_EXPORTED = ".exported"
 _CLAIM = re.compile(rb'"sha256":"([0-9a-f]{64})","size":([0-9]{1,12}),')
 _UNWRITABLE = {errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOLCK, errno.ENOTSUP, errno.ETIMEDOUT}
 
@@ -108,6 +109,33 @@ def find(folder: Path, order: Order) -> Path | None:
     if _read_or_damage(source, len(order.source)) != order.source:
         raise _DamageError(f"{source} is not the source of this library")
     return library
+
+
+def remember(key: str, content: bytes) -> None:
+    """Keep some bytes under a key, where that can be: what cannot be kept is made again."""
+    folder = cache_folder()
+    # a disk that is full, or another process that does the same
+    with (
+        contextlib.suppress(OSError),
+        locked(folder / f"{key}.lock", patience=0),
+        _scratch(folder, key) as scratch,
+    ):
+        name = f"{key}{_EXPORTED}"
+        write_new(scratch / name, _kept_seal(key, content) + b"\n" + content)
+        os.replace(scratch / name, folder / name)
+
+
+def recall(key: str) -> bytes | None:
+    """Return what is kept under a key; None if there is nothing, or not what was written there."""
+    with contextlib.suppress(OSError, _DamageError):
+        seal, _, content = _read(cache_folder() / f"{key}{_EXPORTED}", SOURCE_LIMIT).partition(b"\n")
+        if seal == _kept_seal(key, content):
+            return content
+    return None
+
+
+def _kept_seal(key: str, content: bytes) -> bytes:
+    return hashlib.sha256(key.encode() + content).hexdigest().encode()
 
 
 def cache_folder() -> Path:

@@ -1,0 +1,75 @@
+"""What the C of a loop follows from, as one hash: a start that finds that C in the cache exports nothing."""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import json
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+import casadi as ca
+
+from ..model.block import EXPRESSIONS, STEP, Block
+from .cache import entry_key, recall, remember
+from .export import Source
+from .loop import Loop, export_loop
+
+# what exports: this package with its kernel, and what Blocks are
+_PACKAGES = ("codegen", "model")
+_CODE = (".py", ".hpp", ".cpp")
+_IMPORTED = time.time()
+# seconds in which a process has surely imported all that exports
+_IMPORTING = 10.0
+
+
+def exported(loop: Loop) -> Source:
+    """What `export_loop` makes of the loop, from the cache if it is there."""
+    if not (code := _code()):
+        return export_loop(loop)
+    key = fingerprint(loop, code)
+    if kept := recall(key):
+        return Source(**json.loads(kept))
+    source = export_loop(loop)
+    remember(key, json.dumps({"text": source.text, "description": source.description}).encode())
+    return source
+
+
+def fingerprint(loop: Loop, code: str) -> str:
+    """The hash of all expressions and names of a loop, and of the `code` that exports them."""
+    return entry_key(
+        {
+            "code": code,
+            "casadi": [ca.CasadiMeta.version(), ca.GlobalOptions.getSimplificationOnTheFly()],
+            "blocks": [_told(block) for block in loop.exported],
+            "roles": [len(loop.observers), loop.bank.near is not None],
+            "ports": [loop.bank.measured, loop.noise, loop.pulses, loop.flags],
+        }
+    )
+
+
+def _told(block: Block) -> list[object]:
+    """Names of a Block, and its expressions operation by operation; what its numbers usually are is not in its C."""
+    given = {group: getattr(block, group) for group in ("x", "u", "p")}
+    follow = {group: getattr(block, group) for group in ("x0", "limits", *EXPRESSIONS)}
+    inputs = [symbol for group in given.values() for symbol in group.values()]
+    results = [expression for group in follow.values() for expression in group.values()]
+    f = ca.Function("f", [_column([*inputs, STEP])], [_column(results)])
+    names = {group: list(entries) for group, entries in {**given, **follow}.items()}
+    return [block.name, names, sorted(block.held), f.serialize()]
+
+
+def _column(entries: Sequence[ca.SX]) -> ca.SX:
+    return ca.vertcat(*entries) if entries else ca.SX(0, 1)
+
+
+@functools.cache
+def _code() -> str:
+    """The hash of the files of all that exports; nothing if one is so new that this process may run an older one."""
+    root, digest = Path(__file__).parents[1], hashlib.sha256()
+    for path in sorted(path for package in _PACKAGES for path in (root / package).rglob("*") if path.suffix in _CODE):
+        if path.stat().st_ctime > _IMPORTED - _IMPORTING:
+            return ""
+        digest.update(f"{path.relative_to(root)} {path.stat().st_size}\n".encode() + path.read_bytes())
+    return digest.hexdigest()
