@@ -7,7 +7,9 @@ from functools import partial
 
 import numpy as np
 
-from hillobs.studies.cli.shell.terminal import bar, complain, print_table, user_errors
+from hillobs.studies.cli.shell.progress import bar
+from hillobs.studies.cli.shell.tables import print_table
+from hillobs.studies.cli.shell.terminal import complain, user_errors
 
 from . import report, scaling, startup
 from .contenders import Contender, contenders

@@ -6,7 +6,8 @@ import click
 
 from ..errata.run import errata as study
 from .reports.errata import tables
-from .shell.terminal import bar, print_table
+from .shell.progress import bar
+from .shell.tables import print_table
 
 
 @click.command()

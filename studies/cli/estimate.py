@@ -40,9 +40,11 @@ from .shell.options import (
     whole_option,
 )
 from .shell.own_observers import loaded
+from .shell.progress import bar
 from .shell.stopping import Stopped
 from .shell.subjects import subject_asked_for, subject_options
-from .shell.terminal import NUMERICAL, bar, complain, print_table, say
+from .shell.tables import print_table
+from .shell.terminal import NUMERICAL, complain, say
 
 _KALMAN_TOO = "--observer kalman also says what noise leaves open, smooths, and judges recording and muscles"
 

@@ -23,7 +23,8 @@ from .reports.number import counted
 from .reports.written import written
 from .shell.options import corrected_option, observer_option, scenario_argument, set_option, whole_option
 from .shell.own_observers import loaded
-from .shell.terminal import bar, say
+from .shell.progress import bar
+from .shell.terminal import say
 
 _AT_SAMPLES = "which move at samples only"
 _OPTIONS = (

@@ -13,8 +13,9 @@ from ..scenarios.layers import Value
 from .reports.estimates.fit import scenario_file, sentences
 from .reports.written import written
 from .shell.options import mapping_option, set_option
+from .shell.progress import bar
 from .shell.subjects import subject_asked_for
-from .shell.terminal import bar, say
+from .shell.terminal import say
 
 
 @click.command()

@@ -22,7 +22,9 @@ from ..laboratory.path_fit.fit import fit as fit_in_opensim
 from .reports.importing import fit_notes, fit_table, notes, tables
 from .reports.written import written
 from .shell.options import whole_option
-from .shell.terminal import bar, print_table, say
+from .shell.progress import bar
+from .shell.tables import print_table
+from .shell.terminal import say
 
 _SUFFIX = ".toml"
 

@@ -1,14 +1,12 @@
-"""`hillobs show`, `list`, `docs`, `info`, `clean`: what there is."""
+"""`hillobs show`, `list`, `docs`: what there is."""
 
 from __future__ import annotations
 
 import click
 
-from ...codegen.cache import clean_cache
 from ..files.pages import documentation, page
 from ..scenarios.show import show as as_toml
-from .reports.listing import information, listing, sources
-from .reports.number import counted
+from .reports.listing import listing
 from .shell.options import scenario_argument
 from .shell.terminal import say
 
@@ -32,17 +30,3 @@ def list_(what: str) -> None:
 def docs(name: str | None) -> None:
     """Say where the pages of documentation are, or one of them, such as `observers`."""
     say(str(page(name) if name else documentation()))
-
-
-@click.command()
-@click.option("--source", is_flag=True, help="The generated C++ of each compiled library instead, the newest first.")
-def info(source: bool) -> None:
-    """Show versions, compiler, pages and cache."""
-    say(*(sources() if source else information()))
-
-
-@click.command()
-def clean() -> None:
-    """Empty the cache of compiled libraries."""
-    removed = clean_cache()
-    say(f"removed {counted(len(removed), 'file')}" if removed else "the cache was empty")

@@ -30,9 +30,10 @@ from ..scenarios.layers import Value
 from ..scenarios.observers import observers_named
 from .shell.options import corrected_option, mapping_option, observer_option, seconds_option, set_option
 from .shell.own_observers import loaded
+from .shell.progress import bar
 from .shell.stopping import Stopped
 from .shell.subjects import subject_asked_for, subject_options
-from .shell.terminal import NUMERICAL, bar, complain, say
+from .shell.terminal import NUMERICAL, complain, say
 
 
 @click.command()

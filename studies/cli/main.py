@@ -37,8 +37,8 @@ _COMMANDS: Mapping[str, tuple[str, str]] = {
     "show": ("listing", "Print a scenario as a TOML file to start from."),
     "list": ("listing", "List scenarios, observers, curves, parameters."),
     "docs": ("listing", "Say where the pages of documentation are."),
-    "info": ("listing", "Show versions, compiler, pages and cache."),
-    "clean": ("listing", "Empty the cache of compiled libraries."),
+    "info": ("machine", "Show versions, compiler, pages and cache."),
+    "clean": ("machine", "Empty the cache of compiled libraries."),
 }
 # words of Python, whose functions end with an underscore
 _TAKEN = ("import", "list")

@@ -28,7 +28,9 @@ from ..scenarios.prepare import prepare
 from .reports.observability import answer_as_json, answer_table, details, ranks_along, ranks_over, summary
 from .reports.written import written
 from .shell.options import scenario_argument, set_option, whole_option
-from .shell.terminal import bar, complain, print_table, say
+from .shell.progress import bar
+from .shell.tables import print_table
+from .shell.terminal import complain, say
 
 # a rank that is not full is no failure, but a script must see it
 _DEFICIENT = 1

@@ -20,7 +20,9 @@ from .reports.simulate import failures, notes, tables
 from .reports.written import written
 from .shell.options import corrected_option, observer_option, scenarios_argument, set_option
 from .shell.own_observers import loaded
-from .shell.terminal import NUMERICAL, bar, complain, print_table, say
+from .shell.progress import bar
+from .shell.tables import print_table
+from .shell.terminal import NUMERICAL, complain, say
 
 _PAPER = ("paper-clean", "paper-noisy")
 

@@ -25,8 +25,10 @@ from .reports.sweep import notes, step_table, tables
 from .shell.options import corrected_option, observer_option, over_option, scenario_argument, set_option, whole_option
 from .shell.own_observers import loaded
 from .shell.pace import Pace
+from .shell.progress import bar, counting
 from .shell.stopping import Stopped
-from .shell.terminal import NUMERICAL, bar, counting, print_table, say
+from .shell.tables import print_table
+from .shell.terminal import NUMERICAL, say
 
 
 @click.command()

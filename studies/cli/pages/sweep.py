@@ -17,7 +17,8 @@ from ...sweep.pictures import sweep_figure_paths
 from ...sweep.run import sweep
 from ..reports.sweep import notes, tables
 from ..shell.stopping import stoppable
-from ..shell.terminal import print_table, say, user_errors
+from ..shell.tables import print_table
+from ..shell.terminal import say, user_errors
 
 _TRIO = {
     "high_gain.eps_h": Range(0.02, 0.5, 25, logarithmic=True),

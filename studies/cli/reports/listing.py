@@ -1,23 +1,17 @@
-"""What there is: scenarios, observers, curve sets, parameters; and on which machine."""
+"""What there is: scenarios, observers, curve sets, parameters."""
 
 from __future__ import annotations
 
-import platform
 import sys
 import tomllib
 from collections.abc import Iterator
 
-from ....codegen.cache import BuildError, describe_cache, kept_sources
-from ....codegen.toolchain import find_compiler
 from ....model.curves import CURVES
 from ....observers import OBSERVERS
-from ...files.pages import documentation, recordings
-from ...files.versions import versions
 from ...scenarios.layers import shipped
 from ...scenarios.loops import all_paths
 from ...scenarios.show import describe
 from ...scenarios.world import CHOICES
-from .number import counted
 
 
 def listing(what: str) -> Iterator[str]:
@@ -28,35 +22,6 @@ def listing(what: str) -> Iterator[str]:
             yield f"{name}:"
             yield from (f"  {line}" for line in lines())
             yield ""
-
-
-def information() -> Iterator[str]:
-    """The lines of `hillobs info`."""
-    for name, version in versions().items():
-        yield f"{name:9} {version}"
-    yield f"machine   {platform.machine()}, {platform.system()} {platform.release()}"
-    try:
-        compiler = find_compiler()
-        yield f"compiler  {' '.join(compiler.command)}: {compiler.version.splitlines()[0]}"
-    except BuildError as error:
-        yield f"compiler  {error}"
-    yield f"pages     {documentation()}"
-    yield f"shipped   {recordings()}"
-    cache = describe_cache()
-    libraries = counted(int(str(cache["libraries"])), "library", "libraries")
-    yield f"cache     {cache['folder']}: {libraries}, {cache['bytes']:,} bytes"
-    if cache["problem"]:
-        yield f"          it {cache['problem']}"
-
-
-def sources() -> Iterator[str]:
-    """The lines of `hillobs info --source`: each generated file, and what it is."""
-    kept = kept_sources()
-    for path, sentence in kept.items():
-        yield str(path)
-        yield f"    {sentence}"
-    if not kept:
-        yield "nothing is compiled yet"
 
 
 def _scenarios() -> Iterator[str]:

@@ -9,7 +9,7 @@ from rich.console import Console
 from rich.table import Table
 
 from hillobs.codegen.building import building, told_of_builds
-from hillobs.studies.cli.shell.terminal import pieces
+from hillobs.studies.cli.shell.tables import pieces
 
 
 def table_of(names: list[str], rows: int) -> Table:
