@@ -1,6 +1,7 @@
 """`python -m hillobs` and the command `hillobs`."""
 
 import contextlib
+import gc
 import os
 import re
 import sys
@@ -11,6 +12,8 @@ from .studies.files.dask import leave_out
 
 # bytes of address space that a command takes before it has done anything, most of them for libraries
 _LEAST = 500_000_000
+# objects between two searches for garbage: most of what a command makes lives until it ends
+_MADE = 10_000
 # seconds since 1970, up to the year 5138
 _DATE = re.compile("[0-9]{1,11}")
 
@@ -21,6 +24,7 @@ def main() -> None:
 
 
 def _command_line() -> None:
+    gc.set_threshold(_MADE)
     # OpenBLAS asks for memory without end, and interrupts the process if it gets no thread; our matrices are small
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     if not has_room(_LEAST):
