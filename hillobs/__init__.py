@@ -25,6 +25,9 @@ if TYPE_CHECKING:
     from .model.skeleton.paths import Path, constant_moment_arms, polynomial
     from .model.skeleton.points import Point
     from .model.skeleton.tree import Joint, Link, Tree, TreeError
+    from .studies.calibrate.result import Calibration
+    from .studies.calibrate.run import calibrate
+    from .studies.calibrate.trial import Trial
     from .studies.conformance import conformance
     from .studies.estimate.fit import fit
     from .studies.estimate.run import estimate
@@ -58,6 +61,9 @@ _NAMES = {
     ".model.skeleton.paths": ("Path", "constant_moment_arms", "polynomial"),
     ".model.skeleton.points": ("Point",),
     ".model.skeleton.tree": ("Joint", "Link", "Tree", "TreeError"),
+    ".studies.calibrate.result": ("Calibration",),
+    ".studies.calibrate.run": ("calibrate",),
+    ".studies.calibrate.trial": ("Trial",),
     ".studies.conformance": ("conformance",),
     ".studies.estimate.fit": ("fit",),
     ".studies.estimate.run": ("estimate",),
@@ -105,6 +111,7 @@ __all__ = [
     "BlockError",
     "BuildError",
     "CacheWarning",
+    "Calibration",
     "ClusterError",
     "ClusterWarning",
     "Error",
@@ -128,9 +135,11 @@ __all__ = [
     "Symbols",
     "Tree",
     "TreeError",
+    "Trial",
     "Tuned",
     "__version__",
     "arguments",
+    "calibrate",
     "conformance",
     "constant_moment_arms",
     "estimate",

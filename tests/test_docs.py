@@ -68,6 +68,8 @@ def desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (tmp_path / "run.csv").write_text("\n".join(map(",".join, table)), encoding="utf-8")
     (tmp_path / "fitted-run.csv.toml").write_text("kalman.s_D = 0.01\n", encoding="utf-8")
     (tmp_path / "hour.csv.gz").symlink_to(RECORDINGS / "dgf_smooth_noisy.csv.gz")
+    for name in ("stretch.toml", "stretch.csv.gz", "maximal.toml", "maximal.csv.gz", "guess.toml"):
+        (tmp_path / name).symlink_to(RECORDINGS / name)
     (tmp_path / "pair.toml").symlink_to(RECORDINGS / "dgf_smooth.toml")
     monkeypatch.chdir(tmp_path)
     return tmp_path

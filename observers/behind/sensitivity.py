@@ -27,8 +27,19 @@ def numbers(curves: CurveSet, oblique: bool) -> tuple[str, ...]:
 
     oblique: its fibres have a pennation.
     """
-    own = (*SIZES, *curves.parameters, *([PENNATION] if oblique else ()))
-    return (*dict.fromkeys(own), FORCE_BIAS, LENGTH_BIAS)
+    return (*muscle_numbers(curves, oblique), FORCE_BIAS, LENGTH_BIAS)
+
+
+def muscle_numbers(curves: CurveSet, oblique: bool) -> tuple[str, ...]:
+    """The same without sensors: what a muscle is."""
+    return tuple(dict.fromkeys((*SIZES, *curves.parameters, *([PENNATION] if oblique else ()))))
+
+
+def in_own_sizes(curves: CurveSet, theta: Symbols) -> Symbols:
+    """The numbers of a muscle, with which its curves take parts of its own F_max, l_opt and l_opt v_max."""
+    angle = theta.only([PENNATION]) if PENNATION in theta else Symbols()
+    p = Symbols({**theta, **relative(theta, theta)}).only(curves.parameters)
+    return Symbols({**p, "l_opt": ca.SX(1), **angle})
 
 
 def sensitivities(curves: CurveSet, oblique: bool) -> ca.Function:
@@ -39,8 +50,7 @@ def sensitivities(curves: CurveSet, oblique: bool) -> ca.Function:
     """
     x, theta = symbols(_INPUTS), symbols(numbers(curves, oblique))
     angle = theta.only([PENNATION]) if oblique else Symbols()
-    # the muscle in its own sizes
-    p = Symbols({**Symbols({**theta, **relative(theta, theta)}).only(curves.parameters), "l_opt": ca.SX(1), **angle})
+    p = in_own_sizes(curves, theta)
     L_m, drive, speed = x.L_m + theta[LENGTH_BIAS], ca.SX.sym("drive"), theta.l_opt * theta.v_max
     a = activation(curves, x.L_S / theta.l_opt, L_m / theta.l_opt, drive / speed, p)
     _, L_C, shortening = along_fibres(ca.SX(0), L_m, x.L_S, drive, Symbols({"l_opt": theta.l_opt, **angle}))

@@ -7,12 +7,11 @@ from pathlib import Path
 
 import click
 from click.core import ParameterSource
-from click.shell_completion import CompletionItem
 
 from ..files.errors import ScenarioError, in_file
 from ..files.numbers import parse_number
 from ..files.quote import short, shown
-from ..files.writing import refuse_overwriting, writable_folder, write_whole
+from ..files.writing import write_whole
 from ..laboratory.mechanisms.from_opensim import mechanism_from
 from ..laboratory.mechanisms.writing import mechanism_text
 from ..laboratory.opensim.model import FitRequest, read_model
@@ -21,12 +20,11 @@ from ..laboratory.path_fit.fit import LEAST_ORDER, MOST_ORDER, Fitted
 from ..laboratory.path_fit.fit import fit as fit_in_opensim
 from .reports.importing import fit_notes, fit_table, notes, tables
 from .reports.written import written
-from .shell.options import whole_option
+from .shell.options import complete_files, whole_option
+from .shell.places import toml_place
 from .shell.progress import bar
 from .shell.tables import print_table
 from .shell.terminal import say
-
-_SUFFIX = ".toml"
 
 
 def _by_name(example: str, value: Callable[[str, str], object]) -> Callable[..., dict[str, object]]:
@@ -53,16 +51,12 @@ def _limits(what: str, text: str) -> tuple[float, float]:
     return parse_number(what, low), parse_number(what, high)
 
 
-def _complete_files(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
-    return [CompletionItem(incomplete, type="file")]
-
-
 @click.command("import")
-@click.argument("model", metavar="MODEL.osim", shell_complete=_complete_files)
+@click.argument("model", metavar="MODEL.osim", shell_complete=complete_files)
 @click.option(
     "--paths",
     metavar="FILE.xml",
-    shell_complete=_complete_files,
+    shell_complete=complete_files,
     help="Lengths as polynomials, a FunctionBasedPathSet, if the model has none.",
 )
 @click.option(
@@ -84,7 +78,7 @@ def _complete_files(ctx: click.Context, param: click.Parameter, incomplete: str)
 @click.option("--muscles", metavar="A,B,…", help="Only these muscles.")
 @click.option("--fit", is_flag=True, help="Let OpenSim fit polynomials for muscles that have none, over the ranges.")
 @whole_option("--order", LEAST_ORDER, "Of the polynomials of --fit.", default=5, most=MOST_ORDER)
-@click.option("--out", metavar="FILE.toml", shell_complete=_complete_files, help="Where the mechanism is written.")
+@click.option("--out", metavar="FILE.toml", shell_complete=complete_files, help="Where the mechanism is written.")
 @click.pass_context
 def import_(
     ctx: click.Context,
@@ -107,7 +101,7 @@ def import_(
         raise ScenarioError("--muscles must be names with commas between")
     if not fit and ctx.get_parameter_source("order") is not ParameterSource.DEFAULT:
         raise ScenarioError("--order is that of --fit, which is not asked for")
-    place = None if out is None else _place(out)
+    place = None if out is None else toml_place(out)
     fits: list[Fitted] = []
 
     def fitted(request: FitRequest) -> Mapping[str, Polynomial]:
@@ -130,13 +124,3 @@ def import_(
     if place is not None:
         write_whole(place, mechanism_text(mechanism).encode())
         say(written([place]))
-
-
-def _place(out: str) -> Path:
-    """Where the mechanism will be. ScenarioError or ResultError if it cannot be there."""
-    place = Path(out)
-    if place.suffix != _SUFFIX:
-        raise ScenarioError(f"--out must be a {_SUFFIX} file, not {shown(out)}")
-    writable_folder(place.parent)
-    refuse_overwriting([place])
-    return place

@@ -26,6 +26,7 @@ _COMMANDS: Mapping[str, tuple[str, str]] = {
     "sweep": ("sweep", "Run a scenario over parameters and seeds."),
     "tune": ("tune", "Find gains of an observer by trial."),
     "estimate": ("estimate", "Estimate activations and more from a recording."),
+    "calibrate": ("calibrate", "Find muscles' numbers by trials of known activation."),
     "live": ("live", "Estimate from samples as they come, line by line."),
     "import": ("importing", "Make a mechanism file of an OpenSim model."),
     "fit": ("fit", "Find the Kalman filter's densities by likelihood."),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from ..files.errors import RecordingError, TomlError
@@ -40,7 +40,12 @@ def _file(path: Path) -> dict[str, str]:
         content = read_toml(path)
     except TomlError as error:
         raise RecordingError(str(error)) from error
-    return {name: _target(f"{path}: {name}", value) for name, value in content.items()}
+    return mapping_of(content, f"{path}: ")
+
+
+def mapping_of(content: Mapping[str, object], prefix: str) -> dict[str, str]:
+    """The same of a table that was read; RecordingError names an entry after `prefix`."""
+    return {name: _target(f"{prefix}{name}", value) for name, value in content.items()}
 
 
 def _target(where: str, value: object) -> str:

@@ -135,6 +135,11 @@ def seconds_option(name: str, sentence: str, default: str = "0") -> Decorator:
     return click.option(name, default=default, show_default=True, metavar="TIME", callback=read, help=sentence)
 
 
+def complete_files(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
+    """Names of files, for a shell."""
+    return [CompletionItem(incomplete, type="file")]
+
+
 def _changes(ctx: click.Context, param: click.Parameter, typed: tuple[str, ...]) -> dict[str, Value]:
     return {path: value for text in typed for path, value in typed_changes(text).items()}
 

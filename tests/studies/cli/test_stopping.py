@@ -178,6 +178,7 @@ WORDS = {
     "sweep": "sweep --over plant.m=1,1.1",
     "tune": "tune --observer high_gain",
     "estimate": "estimate no.csv --muscles no.toml",
+    "calibrate": "calibrate no.toml --muscles no.toml",
     "live": "live --muscles no.toml",
     "import": "import no.osim",
     "fit": "fit paper-clean",

@@ -1,0 +1,1 @@
+"""A muscle's numbers from trials in which its activation is known."""
