@@ -39,6 +39,24 @@ def augmented(block: Block, unknown: Sequence[str], derivatives: int = 0) -> Blo
     return dataclasses.replace(block, x=x, dx=dx, u=u, x0=Symbols(), held=frozenset())
 
 
+def with_constants(block: Block, names: Sequence[str]) -> Block:
+    """`block` with the parameters `names` as further states that stay as they are. BlockError for an unknown name."""
+    if missing := [name for name in names if name not in block.p]:
+        raise BlockError(f"{block.name}: no number {', '.join(missing)}; there are {', '.join(block.p)}")
+    chosen, kept = block.p.only(names), [name for name in block.p if name not in names]
+    still = Symbols({name: ca.SX(0) for name in names})
+    parameters = {name: block.parameters[name] for name in kept}
+    return dataclasses.replace(
+        block,
+        x=Symbols({**block.x, **chosen}),
+        dx=Symbols({**block.dx, **still}),
+        p=block.p.only(kept),
+        parameters=parameters,
+        x0=Symbols(),
+        limits=Symbols(),
+    )
+
+
 def lie_derivatives(block: Block, outputs: Sequence[str], order: int) -> list[ca.SX]:
     """h, L_f h, … L_f^order h, each a column over the outputs."""
     _check(block, outputs, order)
@@ -93,6 +111,7 @@ class Verdict:
     singular_values: tuple[float, ...]
     unobservable: tuple[str, ...]  # coordinates whose column can be deleted without losing rank
     null_directions: tuple[Mapping[str, float], ...]  # what moves without a trace, per typical size, largest part 1
+    weakest: Mapping[str, float]  # what moves with the smallest trace, in the same way
 
     @property
     def full(self) -> bool:
@@ -116,10 +135,9 @@ def judge(
     ranks = tuple(_rank(scaled[: outputs * k], smallest) for k in range(1, len(matrix) // outputs + 1))
     without = {name: np.delete(scaled, i, axis=1) for i, name in enumerate(coordinates)}
     lost = tuple(name for name, rest in without.items() if _rank(rest, smallest) == rank)
-    kernel = np.linalg.svd(scaled)[2][rank:]
-    return Verdict(
-        tuple(coordinates), rank, ranks, tuple(values.tolist()), lost, tuple(_words(row, coordinates) for row in kernel)
-    )
+    directions = [_words(row, coordinates) for row in np.linalg.svd(scaled)[2]]
+    null = tuple(directions[rank:])
+    return Verdict(tuple(coordinates), rank, ranks, tuple(values.tolist()), lost, null, directions[-1])
 
 
 def scale(matrix: Array, sizes: Sequence[float], outputs: int) -> Array:

@@ -9,7 +9,6 @@ and Gauss-Newton runs away from there.
 from __future__ import annotations
 
 import functools
-import importlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -20,9 +19,10 @@ from numpy.typing import NDArray
 from ...model.arrays import Array
 from ...model.curves import CurveSet
 from ...observers.behind.balance import KNOWN, balance
-from ..files.errors import RecordingError, ScenarioError
+from ..files.errors import RecordingError
 from ..laboratory.laws import mapped
 from ..laboratory.muscles import Muscle
+from .extra import scipy
 from .known import Known
 from .prior import Prior, prior
 
@@ -104,12 +104,7 @@ class _Problem:
 
     def solved(self, xi: Array) -> tuple[Array, Array]:
         """ξ of the least squares, and the Jacobian there, what was known before included."""
-        try:
-            # imported here: SciPy is an extra
-            optimize = importlib.import_module("scipy.optimize")
-        except ImportError as error:
-            raise ScenarioError("calibration needs SciPy: pip install 'hillobs[calibrate]'") from error
-        found = optimize.least_squares(
+        found = scipy("optimize").least_squares(
             self._residuals, xi, self._jacobian, bounds=(-FARTHEST, FARTHEST), loss="huber", f_scale=_ROBUST
         )
         return np.asarray(found.x), np.asarray(found.jac)

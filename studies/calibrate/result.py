@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -15,6 +14,7 @@ from ..laboratory.mechanisms.mechanism import Mechanism
 from ..laboratory.mechanisms.writing import mechanism_text
 from ..laboratory.muscles import Muscle, MusclePair, muscle_file
 from ..laboratory.subject import Subject
+from .extra import scipy
 from .fit import OUTLIER, Fit
 from .known import Known
 from .told import Direction
@@ -116,8 +116,7 @@ def misfits(fit: Fit, trials: Sequence[Known]) -> Iterator[Misfit]:
 
 def _limit(degrees: float) -> float:
     """√(χ²/n) that so many residuals exceed by chance once in a thousand."""
-    chi2 = importlib.import_module("scipy.stats").chi2
-    return float(np.sqrt(chi2.isf(_CHANCE, degrees) / degrees))
+    return float(np.sqrt(scipy("stats").chi2.isf(_CHANCE, degrees) / degrees))
 
 
 def calibrated(subject: Subject, fits: Mapping[str, Fit]) -> MusclePair | Mechanism:

@@ -13,6 +13,7 @@ from ..files.quote import shown
 from ..laboratory.mechanisms.mechanism import Mechanism
 from ..laboratory.muscles import Muscle, MusclePair
 from ..laboratory.subject import Subject, subject_of
+from .extra import scipy
 from .fit import Fit, fitted
 from .known import Known, known
 from .result import Calibration, calibrated, misfits, numbers
@@ -41,6 +42,8 @@ def calibrate(
     """
     if isinstance(trials, str) or not isinstance(trials, Sequence) or not trials:
         raise ScenarioError(f"trials must be a list of one or more, not {shown(trials)}")
+    # what is missing is said before anything is read
+    scipy("optimize")
     subject = subject_of(muscles)
     read = [_read(given, subject) for given in trials]
     refuse_repeated(read)

@@ -52,6 +52,7 @@ _LEAST_ORDER = 2
 )
 @click.option("--unknown", default="none", show_default=True, help="Unknown: none, u (Δ, u1, u2) or a (Δ, a1, a2).")
 @whole_option("--signals", 0, "Unknowns as signals: derivatives up to S are unknown too.", default=0, metavar="S")
+@click.option("--parameters", metavar="A,B", help="Numbers of muscles, unknown too: muscle1 for all, or muscle1.k.")
 @whole_option("--order", 0, "Highest Lie derivative; n − 1 by default (maps, runs: as many as add rank).", metavar="K")
 @click.option("--tolerance", metavar="T", help="Singular values below this part of the largest are 0.")
 @click.option("--along", is_flag=True, help="Rank along the run of the scenario, written to --out.")
@@ -67,6 +68,7 @@ def observability(
     outputs: str | None,
     unknown: str,
     signals: int,
+    parameters: str | None,
     order: int | None,
     tolerance: str | None,
     along: bool,
@@ -76,15 +78,17 @@ def observability(
     out: str,
 ) -> None:
     """Say what these sensors determine at a point of SCENARIO; exit code 0 for full rank, 1 for less."""
-    sensors = None if outputs is None else [name.strip() for name in outputs.split(",") if name.strip()]
-    limit = _tolerance(tolerance)
+    sensors = None if outputs is None else _names(outputs)
+    limit, numbers = _tolerance(tolerance), _names(parameters or "")
+    if numbers and (along or axes is not None):
+        raise ScenarioError("--parameters asks at one point, and goes without --along and --map")
     if mechanism is not None:
         named = ctx.get_parameter_source("scenario") is not ParameterSource.DEFAULT
         if named or along or axes is not None or changes:
             raise ScenarioError("a SCENARIO, --along, --map and --set go without --mechanism: it has one point")
-        sys.exit(_of_mechanism(mechanism, sensors, unknown, order, signals, limit, place or "", as_json))
+        sys.exit(_of_mechanism(mechanism, sensors, unknown, order, signals, numbers, limit, place or "", as_json))
     prepared = prepare(scenario, None, changes)
-    question = pose(prepared, sensors, unknown, order, signals)
+    question = pose(prepared, sensors, unknown, order, signals, numbers)
     here = answer(question, start_point(prepared) | _place(place or "", question), limit)
     names = [] if axes is None else axes.split(",")
     if axes is not None:
@@ -123,13 +127,14 @@ def _of_mechanism(
     unknown: str,
     order: int | None,
     signals: int,
+    numbers: list[str],
     limit: float,
     place: str,
     as_json: bool,
 ) -> int:
     """The answer for a mechanism at rest, and the exit code."""
     subject = subject_of(read_mechanism(mechanism))
-    question = pose_mechanism(subject, sensors, unknown, order, signals)
+    question = pose_mechanism(subject, sensors, unknown, order, signals, numbers)
     here = answer(question, rest_point(subject, question) | _place(place, question), limit)
     _tell(question, here, limit, as_json)
     return 0 if here.verdict.full else _DEFICIENT
@@ -142,6 +147,10 @@ def _tell(question: Question, here: Answer, limit: float, as_json: bool) -> None
     say(summary(question, here), "")
     print_table(answer_table(question, here))
     say(*details(question, here, limit))
+
+
+def _names(typed: str) -> list[str]:
+    return [name.strip() for name in typed.split(",") if name.strip()]
 
 
 def _place(typed: str, question: Question) -> dict[str, float]:

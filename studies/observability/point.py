@@ -56,6 +56,7 @@ def observability(
     order: int | None = None,
     changes: Mapping[str, Value] | None = None,
     mechanism: str | Path | Mechanism | None = None,
+    parameters: Sequence[str] = (),
 ) -> Answer:
     """What `sensors` determine at a point of a scenario: its start, with the coordinates of `place` instead.
 
@@ -66,6 +67,7 @@ def observability(
     mechanism: instead of a scenario and its changes; its sensors are joints and muscles by name, all of them by
     default, and fibres such as BRA.L_C; the point is at rest in the middle of its ranges, with a fifth of F_max in each
     tendon, angles in rad and all else in the units that `hillobs observability --mechanism` prints.
+    parameters: numbers of muscles that are not known either, such as ["muscle1.k"], or ["muscle1"] for all of its.
     ScenarioError for a wrong scenario, sensor, coordinate or a point outside the domain.
 
     >>> seen = hillobs.observability(place={"x3": 1.99}, unknown="u")  # tendon 1 is slack
@@ -76,11 +78,11 @@ def observability(
         if changes:
             raise ScenarioError("changes are for scenarios; a mechanism has the numbers of its file")
         subject = subject_of(mechanism)
-        question = pose_mechanism(subject, sensors, unknown, order)
+        question = pose_mechanism(subject, sensors, unknown, order, parameters=parameters)
         start = rest_point(subject, question)
     else:
         prepared = prepare(source, None, changes or {})
-        question, start = pose(prepared, sensors, unknown, order), start_point(prepared)
+        question, start = pose(prepared, sensors, unknown, order, parameters=parameters), start_point(prepared)
     valid = [*question.block.x, *question.block.u]
     coordinates = {name: number(shown(name), value) for name, value in table("place", place or {}).items()}
     if wrong := [name for name in coordinates if name not in valid]:
@@ -126,7 +128,7 @@ def answer(question: Question, point: Mapping[str, float], tolerance: float = TO
     ScenarioError outside the domain.
     """
     # the derivatives of unknown signals are 0 unless given
-    point = {**dict.fromkeys(question.block.x, 0.0), **point}
+    point = {**dict.fromkeys(question.block.x, 0.0), **question.numbers, **point}
     used = {name: point[name] for name in (*question.block.x, *question.block.u)}
     outputs = _outputs(question, used)
     _check_domain(outputs)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import difflib
 import functools
 import re
 from collections.abc import Mapping, Sequence
@@ -19,10 +20,11 @@ from ...observers.observability import (
     augmented,
     observability_matrix,
     structural_rank,
+    with_constants,
 )
 from ..files.errors import ScenarioError
 from ..files.numbers import whole
-from ..files.quote import shown
+from ..files.quote import short, shown
 from ..laboratory.subject import Subject
 from ..scenarios.prepare import Prepared
 
@@ -54,6 +56,8 @@ UNKNOWNS = ("none", "u", "a")
 _SIZES = {"q": 0.1, "dq": 0.1, "L_S": 0.01, "Delta": 0.1, "u": 0.1, "a": 0.3}
 # with more coordinates each order takes three times as long: the fourth seconds, the sixth a minute
 _MANY, _ENOUGH = 10, 4
+# of a number of a muscle: how far it may be off, as a part of it; of one that is 0 itself
+_PART = 0.1
 # by Lie derivatives up to this order states and unknown functions are told, if they ever are: position, speed, Δ
 _FUNCTIONS = 2
 
@@ -70,7 +74,8 @@ _DERIVATIVE = re.compile(r"^d\d+")
 class Question:
     """Which sensors, which unknowns, how many Lie derivatives; `p` are the numbers of the plant.
 
-    available: all sensors that there are. unknowns: the inputs that are not known.
+    available: all sensors that there are. unknowns: the inputs that are not known. numbers: those of muscles that are
+    not known either, with their values.
     """
 
     system: System
@@ -83,6 +88,7 @@ class Question:
     matrix: ca.Function
     structural_rank: int
     p: tuple[float, ...]
+    numbers: Mapping[str, float]
     period: float
     units: str = ""  # what the numbers of a mechanism are counted in; those of a scenario are dimensionless
 
@@ -93,12 +99,14 @@ class Question:
 
     @property
     def coordinates(self) -> list[str]:
-        """What is to be known: the states, then the unknowns."""
+        """What is to be known: the states, then the unknowns, then the numbers."""
         return list(self.block.x)
 
     def tendon(self, muscle: str) -> Tendon:
         """The tendon of a muscle."""
-        return tendon(self.system.curves[muscle], muscle, dict(zip(self.block.p, self.p, strict=True)))
+        return tendon(
+            self.system.curves[muscle], muscle, {**dict(zip(self.block.p, self.p, strict=True)), **self.numbers}
+        )
 
     @property
     def sizes(self) -> dict[str, float]:
@@ -107,11 +115,13 @@ class Question:
 
     def with_functions(self) -> Question:
         """The same question where the unknowns are any functions of time, not constants."""
-        block = _plant(self.system, self.unknown, self.unknowns, _FUNCTIONS - 1)
+        block = _plant(self.system, self.unknown, self.unknowns, _FUNCTIONS - 1, tuple(self.numbers))
         matrix, rank = _matrix(block, self.outputs, _FUNCTIONS)
         return dataclasses.replace(self, block=block, order=_FUNCTIONS, matrix=matrix, structural_rank=rank)
 
     def _size(self, signal: str) -> float:
+        if signal in self.numbers:
+            return _PART * (abs(self.numbers[signal]) or 1.0)
         return SIGNALS[signal].size if self.system.paper else _SIZES[signal.rpartition(".")[2]]
 
 
@@ -121,11 +131,13 @@ def pose(
     unknown: str = "none",
     order: int | None = None,
     derivatives: int = 0,
+    parameters: Sequence[str] = (),
 ) -> Question:
     """The question with the scenario's numbers. ScenarioError says what is wrong with it.
 
     sensors: the paper's by default. order: highest Lie derivative, n − 1 by default. derivatives: 0 for constant
-    unknowns, else the unknowns are signals and their derivatives up to this order are coordinates too.
+    unknowns, else the unknowns are signals and their derivatives up to this order are coordinates too. parameters:
+    muscles, or numbers of them such as muscle1.k, that are not known either; then activations are, unless `unknown`.
     """
     system = prepared.system
     if not system.paper:
@@ -133,7 +145,7 @@ def pose(
     period = prepared.value("noise.period") or _PERIOD
     given = {path.removeprefix("plant."): prepared.value(path) for path in prepared.paths.parameters}
     chosen = PAPER_SENSORS if sensors is None else sensors
-    return _question(system, SENSORS, chosen, unknown, order, derivatives, given, period)
+    return _question(system, SENSORS, chosen, unknown, order, derivatives, parameters, given, period)
 
 
 def pose_mechanism(
@@ -142,6 +154,7 @@ def pose_mechanism(
     unknown: str = "none",
     order: int | None = None,
     derivatives: int = 0,
+    parameters: Sequence[str] = (),
 ) -> Question:
     """The same of a mechanism; its sensors are joints, muscles (their forces) and fibres, such as BRA.L_C.
 
@@ -158,7 +171,7 @@ def pose_mechanism(
     scales = subject.scales
     period = _PERIOD * scales.rate
     units = f"lengths in {scales.length:.4g} m, forces in {scales.force:.4g} N, times in {1 / scales.rate:.4g} s"
-    return _question(system, available, chosen, unknown, order, derivatives, scales.numbers, period, units)
+    return _question(system, available, chosen, unknown, order, derivatives, parameters, scales.numbers, period, units)
 
 
 def _question(
@@ -168,6 +181,7 @@ def _question(
     unknown: str,
     order: int | None,
     derivatives: int,
+    parameters: Sequence[str],
     given: Mapping[str, float],
     period: float,
     units: str = "",
@@ -181,18 +195,42 @@ def _question(
         raise ScenarioError(f"unknown inputs {shown(unknown)}; there are {', '.join(UNKNOWNS)}")
     derivatives = whole("the derivatives of the unknowns", derivatives, 0, _HIGHEST)
     unknowns = () if unknown == "none" else (*system.joint("Delta"), *system.muscle(unknown))
-    block = _plant(system, unknown, unknowns, derivatives)
+    numbers = _numbers(system, parameters)
+    block = _plant(system, unknown, unknowns, derivatives, numbers)
     usual = min(len(block.x) - 1, _ENOUGH if len(block.x) > _MANY and not system.paper else _HIGHEST)
+    if numbers:
+        usual = _of_numbers(numbers, unknowns)
     order = usual if order is None else whole("the order of the Lie derivatives", order, 0, _HIGHEST)
     chosen = tuple(dict.fromkeys(sensors))
     matrix, rank = _matrix(block, tuple(available[name].output for name in chosen), order)
     p = numbers_of(block, given)
-    return Question(system, block, available, chosen, unknown, unknowns, order, matrix, rank, p, period, units)
+    values = {name: given.get(name, system.curve_parameters[name].default) for name in numbers}
+    return Question(system, block, available, chosen, unknown, unknowns, order, matrix, rank, p, values, period, units)
 
 
 @functools.cache
-def _plant(system: System, unknown: str, unknowns: tuple[str, ...], derivatives: int) -> Block:
-    return augmented(plant(system, "given" if unknown == "a" else "virtual"), unknowns, derivatives)
+def _plant(
+    system: System, unknown: str, unknowns: tuple[str, ...], derivatives: int, numbers: tuple[str, ...]
+) -> Block:
+    # nobody knows u beside numbers that are not known; an activation one may
+    drive = "given" if unknown == "a" or (numbers and not unknowns) else "virtual"
+    return with_constants(augmented(plant(system, drive), unknowns, derivatives), numbers)
+
+
+def _numbers(system: System, parameters: Sequence[str]) -> tuple[str, ...]:
+    """Those of muscles, and one by one. ScenarioError for what is neither."""
+    known = [*system.muscles, *system.curve_parameters]
+    for name in parameters:
+        if name not in known:
+            near = difflib.get_close_matches(short(name), known, n=3) or list(system.muscles)
+            raise ScenarioError(f"unknown number {shown(name)} of a muscle; the nearest are {', '.join(near)}")
+    return tuple(path for path in system.curve_parameters if {path, path.partition(".")[0]} & set(parameters))
+
+
+def _of_numbers(numbers: Sequence[str], unknowns: Sequence[str]) -> int:
+    """The order at which a force has told them, if it ever does: each derivative tells one of a muscle's."""
+    owners = [name.partition(".")[0] for name in numbers]
+    return min(max(map(owners.count, owners)) + bool(unknowns), _HIGHEST)
 
 
 @functools.cache

@@ -27,18 +27,22 @@ def summary(question: Question, answer: Answer) -> str:
     verdict = answer.verdict
     state = "observable" if verdict.full else f"not observable: {', '.join(verdict.unobservable)}"
     return (
-        f"sensors {', '.join(question.sensors)}; {_inputs(question)}: "
+        f"sensors {', '.join(question.sensors)}; {_inputs(question)}{_numbers(question)}: "
         f"rank {verdict.rank} of {len(verdict.coordinates)}, {state} (structural rank {question.structural_rank})"
     )
 
 
 def _inputs(question: Question) -> str:
     if not question.unknowns:
-        return "inputs and uncertainty known"
+        return "activations and uncertainty known" if question.numbers else "inputs and uncertainty known"
     if question.system.paper:
         return f"{', '.join(question.unknowns).replace('Delta', 'Δ')} unknown"
     joints, muscles = (", ".join(names) for names in (question.system.joints, question.system.muscles))
     return f"Δ of {joints} and {question.unknown} of {muscles} unknown"
+
+
+def _numbers(question: Question) -> str:
+    return f"; numbers {', '.join(question.numbers)} unknown" if question.numbers else ""
 
 
 def answer_table(question: Question, answer: Answer) -> Table:
@@ -55,7 +59,8 @@ def answer_table(question: Question, answer: Answer) -> Table:
 
 
 def _scaling(question: Question) -> str:
-    return f"columns × typical size ({_SIZES[question.system.paper]}), rows normalised, zero rows stay zero"
+    sizes = _SIZES[question.system.paper] + "; a tenth of a number" * bool(question.numbers)
+    return f"columns × typical size ({sizes}), rows normalised, zero rows stay zero"
 
 
 def _as_functions(question: Question, lost: Sequence[str]) -> str:
@@ -78,6 +83,8 @@ def details(question: Question, answer: Answer, tolerance: float) -> Iterator[st
     yield f"  ({_scaling(question)}; zero below {tolerance:g} of the largest)"
     for direction in verdict.null_directions:
         yield f"moves without a trace: {_direction(direction)}"
+    if question.numbers and verdict.full:
+        yield f"moves with the smallest trace: {_direction(verdict.weakest)}"
     yield "; ".join(f"{part}: {words}" for part, words in answer.regions.items())
     for name, (below, above) in answer.kinks.items():
         sides = f"rank {below} below, {above} above" if below != above else f"rank {below} on both sides"
@@ -104,6 +111,8 @@ def answer_as_json(question: Question, answer: Answer, tolerance: float) -> str:
         "null_directions": verdict.null_directions,
         "sensors": question.sensors,
         "unknown": question.unknown,
+        "parameters": list(question.numbers),
+        "weakest": verdict.weakest,
         "order": question.order,
         "tolerance": tolerance,
         "scaling": _scaling(question),

@@ -1,5 +1,7 @@
 """Files of trials: what they say, and that a mistake in one is a sentence."""
 
+import sys
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -12,9 +14,11 @@ from hillobs.studies.calibrate.trial import Trial, read_trial
 from hillobs.studies.cli.main import commands
 from hillobs.studies.files.errors import RecordingError, ScenarioError
 from hillobs.studies.files.toml import toml_document
+from hillobs.studies.laboratory.mechanisms.reading import mechanism_of
 from hillobs.studies.laboratory.muscles import muscle_file
 from hillobs.studies.laboratory.recording import Recording
 from hillobs.studies.laboratory.subject import pair_subject
+from random_recordings import Drawn, as_mechanism
 
 MUSCLES = pair_subject(PAIR)
 RECORDING = 'recording = "five.csv"\n'
@@ -128,6 +132,12 @@ def test_what_no_trials_can_be_is_a_sentence(five: Recording) -> None:
             calibrate(trials, start)
 
 
+def test_without_scipy_it_says_where_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "scipy.optimize", None)
+    with pytest.raises(ScenarioError, match=r"calibration needs SciPy: pip install 'hillobs\[calibrate\]'"):
+        calibrate(["trial.toml"], guessed(1))
+
+
 def test_both_halves_of_a_recording_are_two_trials(five: Recording) -> None:
     seen = noisy(five, 1)
     halves = [Trial(seen, MAXIMAL, {"muscle1": 0.0}, part) for part in ((0.0, 2.4), (2.6, 5.0))]
@@ -179,3 +189,14 @@ def test_a_mistake_on_the_command_line_is_a_sentence(arguments: tuple[str, ...],
     assert done.exit_code == 2
     assert sentence in done.stderr
     assert not Path("calibrated.toml").exists()
+
+
+def test_a_muscle_of_a_mechanism_is_calibrated_as_that_of_a_pair(five: Recording) -> None:
+    """A block between two muscles. Its joint is filtered apart from the tendons, so noise leaves something else."""
+    seen, start = noisy(five, 1), guessed(1)
+    recording, mechanism = as_mechanism(Drawn(0, "", start, seen))
+    of_pair, found = calibrate([trial(seen, MAXIMAL)], start), calibrate([trial(recording, {"A": 1.0})], mechanism)
+    for one, other in zip(of_pair.numbers, found.numbers, strict=True):
+        assert (one.name, "A") == (other.name, other.muscle)
+        assert abs(one.value - other.value) < 2 * one.sd, one.name
+    assert mechanism_of(tomllib.loads(found.toml), None).muscles["A"].sds == found.muscles.muscles["A"].sds
