@@ -74,13 +74,13 @@ def fitted(muscle: Muscle, trials: Sequence[Known]) -> Fit:
     while True:
         kept = [_every(trial, seconds) for trial, seconds in zip(trials, spacing, strict=True)]
         problem = _Problem(muscle, known, trials, kept, xi)
-        xi, J = problem.solved(xi)
+        xi = problem.solved(xi)
         ratios = problem.ratios(xi)
         rounds += 1
         alike = [_alike(trial, own) for trial, own in zip(kept, ratios, strict=True)]
         if rounds >= _ROUNDS and not any(alike):
             n = len(known.keys)
-            return Fit(muscle, known, xi[:n], xi[n:], _inverse(J.T @ J), kept, ratios)
+            return Fit(muscle, known, xi[:n], xi[n:], problem.covariance(xi), kept, ratios)
         spacing = [seconds * (2 if twice else 1) for seconds, twice in zip(spacing, alike, strict=True)]
 
 
@@ -102,12 +102,20 @@ class _Problem:
         # σ² = Σ (∂e/∂x σ_x)² + (0.001 F_max)²
         self._sigma = np.sqrt(((of_known * sds) ** 2).sum(axis=1) + (_FLOOR * muscle.F_max) ** 2)
 
-    def solved(self, xi: Array) -> tuple[Array, Array]:
-        """ξ of the least squares, and the Jacobian there, what was known before included."""
+    def solved(self, xi: Array) -> Array:
+        """ξ of the least squares."""
         found = scipy("optimize").least_squares(
             self._residuals, xi, self._jacobian, bounds=(-FARTHEST, FARTHEST), loss="huber", f_scale=_ROBUST
         )
-        return np.asarray(found.x), np.asarray(found.jac)
+        return np.asarray(found.x)
+
+    def covariance(self, xi: Array) -> Array:
+        """Of ξ: (1 + information)⁻¹, of which an outlier gives as much as it counts."""
+        residuals = self._residuals(xi)
+        J = self._jacobian(xi) / np.sqrt(np.maximum(np.abs(residuals) / _ROBUST, 1))[:, None]
+        # what was known before stays known, however far ξ is from it
+        J[-len(xi) :] = np.eye(len(xi))
+        return np.asarray(np.linalg.inv(J.T @ J), dtype=float)
 
     def ratios(self, xi: Array) -> list[Array]:
         """e/σ of each trial."""
@@ -141,10 +149,6 @@ class _Problem:
 @functools.lru_cache(maxsize=8)
 def _balance(curves: CurveSet, oblique: bool) -> ca.Function:
     return balance(curves, oblique)
-
-
-def _inverse(information: Array) -> Array:
-    return np.asarray(np.linalg.inv(information), dtype=float)
 
 
 def _every(trial: Known, seconds: float) -> NDArray[np.intp]:

@@ -10,8 +10,14 @@ from hostile.case import Case
 from hostile.sandbox import DESK, TEMPORARY, Snapshot
 
 # what these are told to write is a file, not a folder, by this option
-_FILES = {"sweep": "--out", "import": "--out", "live": "--save-state", "export page": "--out"}
-_USUAL = {"simulate": "results", "estimate": "estimates", "observability": "results", "curves": "results"}
+_FILES = {"sweep": "--out", "import": "--out", "calibrate": "--out", "live": "--save-state", "export page": "--out"}
+_USUAL = {
+    "simulate": "results",
+    "estimate": "estimates",
+    "calibrate": "calibrated.toml",
+    "observability": "results",
+    "curves": "results",
+}
 
 
 def may_write(case: Case, box: Path) -> list[str]:

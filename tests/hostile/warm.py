@@ -87,7 +87,7 @@ def _prepare(case: Case) -> None:
         _hinge_run()
     elif verb in ("estimate", "live") and "--mechanism" in case.words:
         _hinge_observers()
-    elif verb == "estimate" and "kalman" in case.words:
+    elif verb == "calibrate" or (verb == "estimate" and "kalman" in case.words):
         _kalman()
 
 
@@ -126,7 +126,7 @@ def _load() -> None:
     # what commands import when they draw
     drawers = [f"hillobs.studies.figures.{name}" for name in ("estimate", "observability", "run", "sweep.figures")]
     backends = [f"matplotlib.backends.backend_{name}" for name in ("agg", "pdf")]
-    for name in ("h5netcdf", "scipy.stats.qmc", *drawers, *backends):
+    for name in ("h5netcdf", "scipy.optimize", "scipy.stats.qmc", *drawers, *backends):
         importlib.import_module(name)
 
 

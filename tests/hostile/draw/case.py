@@ -20,9 +20,11 @@ from hostile.draw import (
     states,
     surroundings,
     sweeps,
+    trials,
 )
 from hostile.draw.names import odd_out
 from hostile.draw.numbers import refused
+from places import RECORDINGS
 
 Draw = Callable[[Random], Layer]
 # a good command, and what is wrong with it
@@ -172,6 +174,16 @@ def _mechanism_estimate(random: Random) -> Drawn:
     return base, _some(random, [*odd, mechanisms.gain, _out("out")])
 
 
+def _calibrate(random: Random) -> Drawn:
+    base: list[Layer] = [{"words": ["calibrate"]}, trials.trial(random)]
+
+    def damaged(random: Random) -> Layer:
+        return recordings.damaged(random, trials.RECORDING, RECORDINGS / trials.RECORDING)
+
+    odd = [trials.changed, trials.changed, trials.changed, trials.again, trials.odd_file, damaged, _out("out.toml")]
+    return base, _some(random, odd)
+
+
 def _mechanism_run(random: Random) -> Drawn:
     base: list[Layer] = [{"words": ["simulate"]}, scenarios.short_run(random), {"words": ["--no-figures"]}]
     mistakes = _some(
@@ -315,9 +327,10 @@ _KINDS: dict[str, tuple[int, Callable[[Random], Drawn]]] = {
     "export whole": (3, _export_whole),
     "mechanism estimate": (2, _mechanism_estimate),
     "mechanism run": (2, _mechanism_run),
+    "calibrate": (6, _calibrate),
 }
 # without a mistake they end well
 _COMMANDS = (
     *("simulate", "sweep", "estimate", "observability", "drawings", "import", "live", "export", "export whole"),
-    *("mechanism estimate", "mechanism run"),
+    *("mechanism estimate", "mechanism run", "calibrate"),
 )

@@ -25,6 +25,10 @@ def option(random: Random) -> Layer:
                 "--outputs",
                 random.choice(("x1,F1", "x1", "y9", "", ",", "x1,x1", "L_C1", "x1,F1,F2,x2,L_C1,L_C2", "\x1b")),
             ],
+            [
+                "--parameters",
+                random.choice(("muscle1.k", "muscle1.k,muscle2.L_slack", "muscle3", "x3", "", ",", "\x1b")),
+            ],
             ["--unknown", random.choice(("none", "u", "a", "z", "", "\x1b"))],
             ["--signals", random.choice(("0", "1", "-1", "9", "x", "1e3"))],
             ["--order", random.choice(("0", "1", "2", "3", "-1", "x", "1.5", "99999"))],
