@@ -78,12 +78,10 @@ def test_the_force_is_in_the_units_of_the_numbers(curves: CurveSet, oblique: boo
     names = muscle_numbers(curves, oblique)
     theta = np.array(list(numbers_of(curves, oblique).values()))
     other = theta * [{"F_max": 1e-3, "l_opt": 1e3, "L_slack": 1e3}.get(name, 1.0) for name in names]
+    e, force, L_S = balance(curves, oblique), tendon_force(curves, oblique), 1.02 * SIZES["L_slack"]
     for known in at_work(curves, oblique):
         there = known * [1e-3, 1e-3, 1e3, 1e3, 1]
-        here = float(balance(curves, oblique)(known * [1.1, 1, 1, 1, 1], theta)[0])
-        assert float(balance(curves, oblique)(there * [1.1, 1, 1, 1, 1], other)[0]) == pytest.approx(1e-3 * here)
-        L_S = 1.02 * SIZES["L_slack"]
-        F, slope = np.array(tendon_force(curves, oblique)(L_S, theta), dtype=float).ravel()
-        assert np.array(tendon_force(curves, oblique)(1e3 * L_S, other), dtype=float).ravel() == pytest.approx(
-            [1e-3 * F, 1e-6 * slope]
-        )
+        here = float(e(known * [1.1, 1, 1, 1, 1], theta)[0])
+        assert float(e(there * [1.1, 1, 1, 1, 1], other)[0]) == pytest.approx(1e-3 * here)
+    F, slope = force(L_S, theta).full().ravel()
+    assert force(1e3 * L_S, other).full().ravel() == pytest.approx([1e-3 * F, 1e-6 * slope])

@@ -12,7 +12,7 @@ from hillobs.model.arrays import Array
 from hillobs.model.curves import CURVES
 from hillobs.studies.calibrate.prior import PRIORS
 from hillobs.studies.calibrate.trial import Trial
-from hillobs.studies.laboratory.muscles import Muscle, MusclePair
+from hillobs.studies.laboratory.muscles import SIZES, Muscle, MusclePair
 from hillobs.studies.laboratory.recording import Recording
 from random_recordings import (
     PASSIVE_STRAIN,
@@ -114,13 +114,13 @@ def trial(recording: Recording, activations: Mapping[str, float], sd: float = 0.
 
 
 def guessed(seed: int, pair: MusclePair = PAIR) -> MusclePair:
-    """The pair with numbers that are off as what is known before says, both muscles alike."""
-    random = np.random.default_rng(seed)
+    """The pair with numbers that are off, both muscles alike."""
+    muscle1, muscle2 = (wrong(muscle, np.random.default_rng(seed)) for muscle in (pair.muscle1, pair.muscle2))
+    return replace(pair, muscle1=muscle1, muscle2=muscle2)
+
+
+def wrong(muscle: Muscle, random: np.random.Generator) -> Muscle:
+    """The muscle with numbers that are off as what is known before says."""
     factors = {name: float(np.exp(part.default * random.normal())) for name, part in PRIORS.items()}
-
-    def wrong(muscle: Muscle) -> Muscle:
-        numbers = {name: value * factors.get(name, 1.0) for name, value in muscle.numbers.items()}
-        sizes = ("F_max", "optimal_fibre_length", "tendon_slack_length", "v_max")
-        return replace(muscle, **{name: getattr(muscle, name) * factors[name] for name in sizes}, numbers=numbers)
-
-    return replace(pair, muscle1=wrong(pair.muscle1), muscle2=wrong(pair.muscle2))
+    numbers = {name: value * factors.get(name, 1.0) for name, value in muscle.numbers.items()}
+    return replace(muscle, **{name: getattr(muscle, name) * factors[name] for name in SIZES}, numbers=numbers)
