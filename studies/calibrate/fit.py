@@ -59,7 +59,7 @@ class Fit:
         return np.asarray(self.prior.values * np.exp(self.prior.parts * self.xi))
 
     @property
-    def told(self) -> Array:
+    def left(self) -> Array:
         """Covariance of the numbers (n × n) in that of what was known before, where it is 1."""
         n = len(self.xi)
         return self.covariance[:n, :n]
@@ -67,20 +67,20 @@ class Fit:
 
 def fitted(muscle: Muscle, trials: Sequence[Known]) -> Fit:
     """The numbers that explain the trials of a muscle. RecordingError for a trial that is too short."""
-    known = prior(muscle)
+    before = prior(muscle)
     spacing = [_SPACING] * len(trials)
-    xi = np.zeros(len(known.keys) + len(trials))
+    xi = np.zeros(len(before.keys) + len(trials))
     rounds = 0
     while True:
         kept = [_every(trial, seconds) for trial, seconds in zip(trials, spacing, strict=True)]
-        problem = _Problem(muscle, known, trials, kept, xi)
+        problem = _Problem(muscle, before, trials, kept, xi)
         xi = problem.solved(xi)
         ratios = problem.ratios(xi)
         rounds += 1
         alike = [_alike(trial, own) for trial, own in zip(kept, ratios, strict=True)]
         if rounds >= _ROUNDS and not any(alike):
-            n = len(known.keys)
-            return Fit(muscle, known, xi[:n], xi[n:], problem.covariance(xi), kept, ratios)
+            n = len(before.keys)
+            return Fit(muscle, before, xi[:n], xi[n:], problem.covariance(xi), kept, ratios)
         spacing = [seconds * (2 if twice else 1) for seconds, twice in zip(spacing, alike, strict=True)]
 
 
@@ -88,9 +88,9 @@ class _Problem:
     """Residuals and their Jacobian, with the standard deviations that residuals have at ξ."""
 
     def __init__(
-        self, muscle: Muscle, known: Prior, trials: Sequence[Known], kept: Sequence[NDArray[np.intp]], xi: Array
+        self, muscle: Muscle, before: Prior, trials: Sequence[Known], kept: Sequence[NDArray[np.intp]], xi: Array
     ) -> None:
-        self._function, self._known = _balance(muscle.curves, bool(muscle.pennation)), known
+        self._function, self._before = _balance(muscle.curves, bool(muscle.pennation)), before
         self._values = np.concatenate([trial.values[rows] for trial, rows in zip(trials, kept, strict=True)])
         self._of = np.repeat(np.arange(len(trials)), [len(rows) for rows in kept])
         self._level_sd = np.array([trial.level_sd for trial in trials])
@@ -127,20 +127,20 @@ class _Problem:
 
     def _jacobian(self, xi: Array) -> Array:
         _, of_known, of_theta = self._evaluated(xi)
-        known, n = self._known, len(self._known.keys)
-        places = list(known.places)
+        before, n = self._before, len(self._before.keys)
+        places = list(before.places)
         J = np.zeros((len(self._sigma), len(xi)))
         # ∂θ/∂ξ = r θ
-        J[:, :n] = of_theta[:, places] * (known.parts * known.moved(xi[:n])[places])
+        J[:, :n] = of_theta[:, places] * (before.parts * before.moved(xi[:n])[places])
         J[np.arange(len(J)), n + self._of] = of_known[:, KNOWN.index("a")] * self._level_sd[self._of]
         return np.concatenate([J / self._sigma[:, None], np.eye(len(xi))])
 
     def _evaluated(self, xi: Array) -> tuple[Array, Array, Array]:
         """e (samples), ∂e/∂KNOWN, ∂e/∂numbers."""
-        n = len(self._known.keys)
+        n = len(self._before.keys)
         values = self._values.copy()
         values[:, KNOWN.index("a")] += (self._level_sd * xi[n:])[self._of]
-        theta = self._known.moved(xi[:n])
+        theta = self._before.moved(xi[:n])
         told = mapped(self._function, [values, np.broadcast_to(theta, (len(values), len(theta)))])
         e, of_known, of_theta = np.split(told, [1, 1 + len(KNOWN)], axis=1)
         return e[:, 0], of_known, of_theta

@@ -97,7 +97,7 @@ class Calibration:
 def numbers(muscle: str, fit: Fit) -> Iterator[Number]:
     """Those of a muscle."""
     prior, found = fit.prior, fit.numbers
-    sds = np.sqrt(np.diag(fit.told)) * prior.parts * found
+    sds = np.sqrt(np.diag(fit.left)) * prior.parts * found
     before_sds = prior.parts * prior.values
     columns = (values.tolist() for values in (prior.values, before_sds, found, sds))
     yield from (Number(muscle, *row) for row in zip(prior.keys, prior.units, *columns, strict=True))
@@ -106,7 +106,7 @@ def numbers(muscle: str, fit: Fit) -> Iterator[Number]:
 def misfits(fit: Fit, trials: Sequence[Known]) -> Iterator[Misfit]:
     """Those of the trials of a muscle."""
     # numbers that were found take their share of the noise
-    free = 1 - (len(fit.xi) - np.trace(fit.told)) / sum(map(len, fit.ratios))
+    free = 1 - (len(fit.xi) - np.trace(fit.left)) / sum(map(len, fit.ratios))
     for trial, rows, ratios, level in zip(trials, fit.kept, fit.ratios, fit.levels.tolist(), strict=True):
         time, n = trial.time[rows], len(rows)
         rms = float(np.sqrt(np.mean(np.minimum(np.abs(ratios), OUTLIER) ** 2)))

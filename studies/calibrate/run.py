@@ -58,7 +58,7 @@ def calibrate(
     return Calibration(
         [number for name, fit in fits.items() for number in numbers(name, fit)],
         [misfit for name, fit in fits.items() for misfit in misfits(fit, told[name])],
-        [left for name, fit in fits.items() for left in untold(name, fit.prior.keys, fit.prior.parts, fit.told)],
+        [left for name, fit in fits.items() for left in untold(name, fit.prior.keys, fit.prior.parts, fit.left)],
         calibrated(subject, fits),
     )
 

@@ -45,16 +45,16 @@ class Direction:
     cure: str
 
 
-def untold(muscle: str, keys: Sequence[str], parts: Array, told: Array) -> Iterator[Direction]:
+def untold(muscle: str, keys: Sequence[str], parts: Array, left: Array) -> Iterator[Direction]:
     """The directions that trials leave open, numbers of which nothing is told first.
 
-    keys: the numbers, parts: their relative standard deviations before (n), told: their covariance in those (n × n).
+    keys: the numbers, parts: their relative standard deviations before (n), left: their covariance in those (n × n).
     """
-    sds = np.sqrt(np.diag(told))
+    sds = np.sqrt(np.diag(left))
     for i in np.flatnonzero(sds > _ALONE).tolist():
         yield Direction(muscle, {keys[i]: float(sds[i] * parts[i])}, float(sds[i]), _CURES.get(keys[i], ""))
     rest = np.flatnonzero(sds <= _ALONE)
-    variances, vectors = np.linalg.eigh(told[np.ix_(rest, rest)])
+    variances, vectors = np.linalg.eigh(left[np.ix_(rest, rest)])
     for variance, vector in zip(variances[::-1].tolist(), vectors.T[::-1], strict=True):
         if (sd := math.sqrt(variance)) <= UNTOLD:
             return
