@@ -10,8 +10,10 @@ from .reports.calibrate import notes, number_table, trial_table
 from .reports.written import written
 from .shell.options import complete_files
 from .shell.places import toml_place
+from .shell.progress import bar
 from .shell.subjects import subject_asked_for, subject_options
-from .shell.terminal import bar, print_table, say
+from .shell.tables import print_table
+from .shell.terminal import say
 
 
 @click.command()

@@ -21,8 +21,10 @@ from .reports.tune import factors_table, scenario_file, sentences
 from .reports.written import written
 from .shell.options import corrected_option, over_option, scenario_argument, set_option, whole_option
 from .shell.own_observers import loaded
+from .shell.progress import bar, counting
 from .shell.stopping import Stopped
-from .shell.terminal import bar, counting, print_table, say
+from .shell.tables import print_table
+from .shell.terminal import say
 
 _SEARCH = "search"
 

@@ -120,11 +120,14 @@ def test_a_failure_and_a_broken_condition_are_shown() -> None:
     assert rows["HGO"].split(" | ")[3] == "0.0020 † ✗1" or "2.0e-3 † ✗1" in rows["HGO"]
     assert "inf ✗2" in rows["SMO"]
     assert list(conditions_list(table)) == ["- HGO: a > b (everywhere)"]
-    lines = xr.DataArray(np.ones((1, len(QUANTITIES), 1)), {"line": ["bound"], "quantity": QUANTITIES}, DIMS)
+    lines = xr.DataArray(
+        np.ones((2, len(QUANTITIES), 1)), {"line": ["bound", "smoother"], "quantity": QUANTITIES}, DIMS
+    )
     cost = dict.fromkeys(OBSERVERS, 20.0)
     assert "†" in next(row for row in home_table(table, entries(), lines, cost) if row.startswith("| HGO †"))
-    figures = cost_figure(league() + 1, cost, lines[..., 0], entries(), ("x2", "Delta", "u1", "a1")), robustness_figure(
-        errors.median("seed", skipna=False).drop_sel(entry="baseline")
+    figures = (
+        cost_figure(league() + 1, cost, lines[..., 0], entries(), ("x2", "Delta", "u1", "a1")),
+        robustness_figure(errors.median("seed", skipna=False).drop_sel(entry="baseline")),
     )
     assert [len(figure.axes) for figure in figures] == [4, 1]
 
