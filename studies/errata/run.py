@@ -205,7 +205,7 @@ def _run(changes: Mapping[str, Value], observers: Sequence[str], progress: Progr
     """The paper's first simulation with the printed forms in the loop."""
     loop = _loop()
     paths = paths_of(loop.blocks)
-    given = scenario(*layers("paper-clean", changes), paths).given
+    given = scenario(*layers("paper-clean", changes), paths, {}).given
     grid = time_grid(lambda path: paths.value(path, given), PULSES)
     values = {block.name: paths.values(block, given) for block in loop.blocks}
     traces = compile_loop(loop).run(grid, 0, values, observers, progress)

@@ -94,7 +94,7 @@ def _tracking() -> Iterator[Claim]:
     yield _plain(
         "x₁ is close to the reference after τ = 8",
         off[0] <= _CLOSE,
-        f"largest |x₁ − r| from there on {off[0]:.1e}",
+        f"x₁ − r from there on is at most {off[0]:.1e}",
     )
     yield _plain(
         "… and not before, because of the uncertainty Δ",

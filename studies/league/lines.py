@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 import xarray as xr
 
+from ...model.arrays import Array
 from ...model.symbols import hat
+from ...observers.behind.spread import sd
 from ..estimate.of_scenario import sampled
+from ..estimate.run import KALMAN
 from ..files.progress import CountedProgress, unseen
 from ..kalman.run import INPUTS, How, passed
 from ..scenarios.layers import Value
+from ..simulate.run import simulate
 
 SMOOTHER, BOUND = "smoother", "bound"
 # τ that do not count, as in the scenario
@@ -25,31 +29,32 @@ def lines(
     seeds: Sequence[int],
     progress: CountedProgress,
 ) -> xr.DataArray:
-    """(line, quantity, seed): RMSE of the smoother, and the root mean square of the causal filter's own sd.
+    """(seed, line, quantity): RMSE of the smoother, and the root mean square of the Kalman filter's own sd.
 
-    The filter's covariance is the Riccati equation's along the true lengths, nearly: the Cramér–Rao bound of the chains
-    that it takes Δ and u for. A drift of the forces is not in it, and noise that is not Gaussian can be done better by.
+    The filter's covariance is the Riccati equation's along the true lengths, nearly: the Cramér–Rao bound of causal
+    estimates, on average over the inputs that its chains of integrators would draw; one of them may be easier.
     """
     rows = []
     for done, seed in enumerate(seeds):
         progress(done, len(seeds))
         of = sampled(source, {**changes, "seed": seed})
-        late, of_run = of.record.tau >= _START, of.run
-        true = _signals(of_run)
+        late, true = of.record.tau >= _START, _signals(of.run)
         smooth = passed(of.record, How(INPUTS, None), {}, 1, unseen).outputs
-        causal = passed(of.record, How(INPUTS), {}, 1, unseen).outputs
         errors = [_root_mean_square(smooth[hat(name)][late] - true[name][late]) for name in quantities]
-        sds = [_root_mean_square(causal[f"{name}_sd"][late]) for name in quantities]
-        rows.append([errors, sds])
+        filtered = simulate(source, KALMAN, {**changes, "seed": seed}).isel(observer=0)
+        sds = _signals(filtered.sel(time=slice(_START, None)), sd)
+        rows.append([errors, [_root_mean_square(sds[name]) for name in quantities]])
     coordinates = {"seed": list(seeds), "line": [SMOOTHER, BOUND], "quantity": list(quantities)}
     return xr.DataArray(np.array(rows), coordinates, ("seed", "line", "quantity"))
 
 
-def _signals(run: xr.Dataset) -> dict[str, np.ndarray]:
-    states = {name: run.x.sel(state=name).values for name in run.state.values.tolist()}
-    of_muscles = {f"{kind}{j}": run[kind].isel(muscle=j - 1).values for kind in ("u", "a") for j in (1, 2)}
-    return {**states, **of_muscles, "Delta": run.Delta.values}
+def _signals(run: xr.Dataset, variable: Callable[[str], str] = str) -> dict[str, Array]:
+    """Each quantity of a run, or what `variable` makes of the names x, u, a and Delta."""
+    x, Delta = run[variable("x")], run[variable("Delta")]
+    states = {name: x.sel(state=name).values for name in run.state.values.tolist()}
+    of_muscles = {f"{kind}{j}": run[variable(kind)].isel(muscle=j - 1).values for kind in ("u", "a") for j in (1, 2)}
+    return {**states, **of_muscles, "Delta": Delta.values}
 
 
-def _root_mean_square(values: np.ndarray) -> float:
+def _root_mean_square(values: Array) -> float:
     return float(np.sqrt(np.mean(values**2)))

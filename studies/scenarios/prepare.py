@@ -98,13 +98,15 @@ def prepare(
     """
     name, stacked = layers(source, changes)
     chosen, mechanism = observers_named(observers), named_mechanism(stacked)
-    world = world_of(choices(stacked, mechanism), mechanism)
+    own = own_among(chosen)
+    choice = choices(stacked, mechanism, own)
+    world = world_of(choice, mechanism)
     # in the order of the tables, whatever the order asked for; the RMSE is always among the measures
     known = world.system.quantities
     scored = _scored("quantity", known if quantities is None else quantities, known)
     taken = _scored("measure", ["rmse", *measures], MEASURES)
-    paths = world.paths(tuple(own_among(chosen).values()), switch("corrected", corrected))
-    return assemble(scenario(name, stacked, paths, mechanism), chosen, scored, taken, corrected)
+    paths = world.paths(tuple(own.values()), switch("corrected", corrected))
+    return assemble(scenario(name, stacked, paths, choice, mechanism), chosen, scored, taken, corrected)
 
 
 def _scored(what: str, names: Sequence[str], known: Sequence[str]) -> tuple[str, ...]:

@@ -6,10 +6,11 @@ import json
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from types import MappingProxyType
 
 import numpy as np
 
-from ...observers import OBSERVERS, estimator_of
+from ...observers import OBSERVERS, Observer, estimator_of
 from ...observers.feedback import RATE
 from ..files.errors import ScenarioError
 from ..files.numbers import parse_number, within
@@ -73,14 +74,18 @@ class Scenario:
         return self.world.choices[DRIVE]
 
 
-def choices(layers: Sequence[Layer], mechanism: str = "") -> dict[str, str]:
+def choices(
+    layers: Sequence[Layer], mechanism: str = "", own: Mapping[str, Observer] = MappingProxyType({})
+) -> dict[str, str]:
     """The choices of the layers, the last one above. ScenarioError names the wrong one, and its layer.
 
-    mechanism: what is in its mechanism's file as JSON, if it has one.
+    mechanism: what is in its mechanism's file as JSON, or nothing for the pair; own: a user's observers, any of which
+    may close the loop of the pair.
     """
     if not mechanism:
-        chosen = _chosen(layers, (*GROUPED.items(), *((path, (path,)) for path in CHOICES)), VALID_CHOICES)
-        _check_feedback({path: chosen.get(path, valid[0]) for path, valid in CHOICES.items()})
+        valid = {**VALID_CHOICES, FEEDBACK: (*VALID_CHOICES[FEEDBACK], *own)}
+        chosen = _chosen(layers, (*GROUPED.items(), *((path, (path,)) for path in CHOICES)), valid)
+        _check_feedback({path: chosen.get(path, names[0]) for path, names in CHOICES.items()}, own)
         return chosen
     subject = subject_again(json.loads(mechanism))
     chosen = _chosen(layers, [(DRIVE, (DRIVE,))], {DRIVE: drives(subject)})
@@ -105,14 +110,14 @@ def _chosen(
     return chosen
 
 
-def _check_feedback(chosen: Mapping[str, str]) -> None:
+def _check_feedback(chosen: Mapping[str, str], own: Mapping[str, Observer]) -> None:
     feedback = chosen[FEEDBACK]
     if feedback != STATES and chosen[DRIVE] == "given":
         raise ScenarioError(f"{FEEDBACK} = {feedback} needs a controller, and {DRIVE} = given has none")
     known, _, with_rate = CHOICES[DELTA]
     if feedback == STATES and chosen[DELTA] != known:
         raise ScenarioError(f"{DELTA} = {chosen[DELTA]} needs an observer that estimates it: name it as {FEEDBACK}")
-    if chosen[DELTA] == with_rate and RATE not in estimator_of(OBSERVERS[feedback], corrected=False).x:
+    if chosen[DELTA] == with_rate and RATE not in estimator_of({**OBSERVERS, **own}[feedback], corrected=False).x:
         raise ScenarioError(f"{DELTA} = {with_rate} needs an observer that estimates it, and {feedback} does not")
 
 
@@ -127,10 +132,12 @@ def _tracked(typed: str, subject: Subject) -> str:
     return ", ".join(names)
 
 
-def scenario(name: str, layers: Sequence[Layer], paths: Paths, mechanism: str = "") -> Scenario:
+def scenario(
+    name: str, layers: Sequence[Layer], paths: Paths, chosen: Mapping[str, str], mechanism: str = ""
+) -> Scenario:
     """The scenario of the layers, the last one above. ScenarioError names the wrong leaf, and its layer.
 
-    mechanism: what is in its mechanism's file as JSON, if it has one.
+    chosen: its choices; mechanism: what is in its mechanism's file as JSON, if it has one.
     """
     no_numbers = {*_TEXTS_OF_MECHANISMS, DRIVE} if mechanism else VALID_CHOICES
     description, seed = "", 0
@@ -147,7 +154,7 @@ def scenario(name: str, layers: Sequence[Layer], paths: Paths, mechanism: str = 
                     numbers[path] = checked_number(path, value, paths)
             given |= paths.spread(numbers)
     changes = {path: value for layer in layers if not layer.origin for path, value in layer.leaves.items()}
-    return Scenario(name, description, seed, choices(layers, mechanism), given, changes, mechanism)
+    return Scenario(name, description, seed, chosen, given, changes, mechanism)
 
 
 def typed_changes(typed: str) -> dict[str, Value]:

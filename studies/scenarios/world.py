@@ -71,7 +71,7 @@ class PairWorld:
 
         Closed on an observer it has a library of its own anyway, with those that are asked for.
         """
-        closing = OBSERVERS.get(self.choices[FEEDBACK])
+        closing = {**OBSERVERS, **chosen}.get(self.choices[FEEDBACK])
         observers = compiled_with(chosen) if closing is None else tuple(chosen.values())
         loop = paper_loop(self.choices[DRIVE], self.curves, observers, corrected, None, quantities, measures)
         if closing is None:

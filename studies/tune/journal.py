@@ -14,6 +14,8 @@ from ..files.writing import refuse_overwriting, write_pieces
 
 # the key of the first line, which says whose search it is
 _SEARCH = "hillobs search"
+# what Optuna notes of who made a trial when: in the file always this, so that the same search makes the same file
+_NOBODY = {"worker_id": "", "datetime_start": "1970-01-01T00:00:00", "datetime_complete": "1970-01-01T00:00:00"}
 
 
 class Journal(BaseJournalBackend):
@@ -26,6 +28,7 @@ class Journal(BaseJournalBackend):
         self._path, self._head = path, json.dumps({_SEARCH: identity})
         # as text: Optuna goes on changing what it has appended
         self._entries = self._earlier()
+        self._lines = list(self._entries)
 
     def read_logs(self, log_number_from: int) -> Iterable[dict[str, Any]]:
         """What Optuna has appended, from a number on."""
@@ -34,11 +37,12 @@ class Journal(BaseJournalBackend):
     def append_logs(self, logs: list[dict[str, Any]]) -> None:
         """What Optuna does; it is in the file with the next `keep`."""
         self._entries += map(json.dumps, logs)
+        self._lines += (json.dumps({key: log[key] and _NOBODY.get(key, log[key]) for key in log}) for log in logs)
 
     def keep(self) -> None:
         """Write the file. ResultError if that fails."""
         if self._path is not None:
-            write_pieces(self._path, (f"{line}\n".encode() for line in [self._head, *self._entries]))
+            write_pieces(self._path, (f"{line}\n".encode() for line in [self._head, *self._lines]))
 
     def _earlier(self) -> list[str]:
         if self._path is None:

@@ -13,6 +13,7 @@ from hostile.sandbox import DESK, TEMPORARY, Snapshot
 _FILES = {"sweep": "--out", "import": "--out", "calibrate": "--out", "live": "--save-state", "export page": "--out"}
 _USUAL = {
     "simulate": "results",
+    "tune": "results",
     "estimate": "estimates",
     "calibrate": "calibrated.toml",
     "observability": "results",

@@ -124,7 +124,9 @@ def _load() -> None:
     for module, _ in _COMMANDS.values():
         importlib.import_module(f"hillobs.studies.cli.{module}")
     # what commands import when they draw
-    drawers = [f"hillobs.studies.figures.{name}" for name in ("estimate", "observability", "run", "sweep.figures")]
+    drawers = [
+        f"hillobs.studies.figures.{name}" for name in ("estimate", "observability", "run", "sweep.figures", "tune")
+    ]
     backends = [f"matplotlib.backends.backend_{name}" for name in ("agg", "pdf")]
     for name in ("h5netcdf", "scipy.optimize", "scipy.stats.qmc", *drawers, *backends):
         importlib.import_module(name)

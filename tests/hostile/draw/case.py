@@ -17,6 +17,7 @@ from hostile.draw import (
     recordings,
     samples,
     scenarios,
+    searches,
     states,
     surroundings,
     sweeps,
@@ -184,6 +185,13 @@ def _calibrate(random: Random) -> Drawn:
     return base, _some(random, odd)
 
 
+def _tune(random: Random) -> Drawn:
+    base: list[Layer] = [{"words": ["tune", *searches.SMALL]}, searches.whose(random), scenarios.short_run(random)]
+    base += [*_figures(random), *([searches.good_option(random)] if random.random() < 0.5 else [])]
+    odd = [searches.option, searches.option, searches.earlier, scenarios.change, _out("out")]
+    return base, _some(random, odd)
+
+
 def _mechanism_run(random: Random) -> Drawn:
     base: list[Layer] = [{"words": ["simulate"]}, scenarios.short_run(random), {"words": ["--no-figures"]}]
     mistakes = _some(
@@ -328,9 +336,10 @@ _KINDS: dict[str, tuple[int, Callable[[Random], Drawn]]] = {
     "mechanism estimate": (2, _mechanism_estimate),
     "mechanism run": (2, _mechanism_run),
     "calibrate": (6, _calibrate),
+    "tune": (3, _tune),
 }
 # without a mistake they end well
 _COMMANDS = (
     *("simulate", "sweep", "estimate", "observability", "drawings", "import", "live", "export", "export whole"),
-    *("mechanism estimate", "mechanism run", "calibrate"),
+    *("mechanism estimate", "mechanism run", "calibrate", "tune"),
 )

@@ -7,14 +7,15 @@ from hillobs.model.block import BlockError
 from hillobs.studies.files.errors import ResultError, ScenarioError
 from hillobs.studies.scenarios.layers import Layer, layer
 from hillobs.studies.scenarios.loops import all_paths
-from hillobs.studies.scenarios.scenario import Scenario, scenario
+from hillobs.studies.scenarios.scenario import Scenario, choices, scenario
 
 PATHS = all_paths()
 
 
 def document(content: dict[str, Any], changes: dict[str, Any]) -> Scenario:
     """A document with changes on top."""
-    return scenario("s", [layer("", content), Layer("", changes)], PATHS)
+    layers = [layer("", content), Layer("", changes)]
+    return scenario("s", layers, PATHS, choices(layers))
 
 
 def refusal(attempt: Callable[[], object]) -> str:

@@ -54,6 +54,24 @@ def test_what_the_controller_sees_is_what_the_observer_beside_the_loop_estimates
         np.testing.assert_allclose(inside[f"eyes.high_gain.{name}"], outside, rtol=0, atol=4e-12, err_msg=name)
 
 
+def test_an_observer_of_ones_own_closes_the_loop_as_the_registered_one_with_its_equations() -> None:
+    mine = dataclasses.replace(OBSERVERS["high_gain"].block(), name="mine")
+    closed = {DELTA: "estimated", **SHORT}
+    runs = [
+        hillobs.simulate("paper-noisy", observer, {**closed, FEEDBACK: name})
+        for observer, name in ((mine, "mine"), ("high_gain", "high_gain"))
+    ]
+    np.testing.assert_array_equal(runs[0].x.values, runs[1].x.values)
+    swept = hillobs.sweep("paper-noisy", {"mine.eps_h": [0.1, 0.2]}, 2, [mine], {**closed, FEEDBACK: "mine"})
+    assert swept.plant_failed_at.isnull().all()
+    assert not (swept.rmse.isel({"mine.eps_h": 0}) == swept.rmse.isel({"mine.eps_h": 1})).any()
+
+
+def test_an_observer_of_ones_own_that_is_not_there_closes_nothing() -> None:
+    with pytest.raises(ScenarioError, match=r"controller\.feedback must be one of states, high_gain"):
+        prepare("paper-noisy", "high_gain", {FEEDBACK: "mine"})
+
+
 def test_each_seed_has_a_truth_of_its_own_and_no_other_run_changes_it(monkeypatch: pytest.MonkeyPatch) -> None:
     planned = plan("paper-noisy", {}, 40, ["high_gain"], {**CLOSED, **SHORT})
     assert planned.loop.noisy

@@ -101,6 +101,14 @@ def test_killed_and_gone_on_it_ends_as_undisturbed(tmp_path: Path) -> None:
     np.testing.assert_array_equal(run(two, 6, path).numbers[: 5 * ROUND], undisturbed.numbers)
 
 
+def test_the_same_search_makes_the_same_file(tmp_path: Path) -> None:
+    """Whoever makes it, whenever: Optuna's names of processes and its dates are not in it."""
+    files = [tmp_path / "one.trials", tmp_path / "two.trials"]
+    for path in files:
+        run(judge((0.0, 0.0)), 2, path)
+    assert files[0].read_bytes() == files[1].read_bytes()
+
+
 @pytest.mark.parametrize(
     ("content", "sentence"),
     [
