@@ -22,6 +22,7 @@ from .high_gain import HIGH_GAIN
 from .high_gain_3 import HIGH_GAIN_3
 from .kalman.constant import KALMAN_CONSTANT
 from .kalman.filter import KALMAN
+from .levant import LEVANT
 from .observer import Observer
 from .ports import ESTIMATES, inputs
 from .sliding_mode import SLIDING_MODE
@@ -35,6 +36,7 @@ OBSERVERS: Mapping[str, Observer] = {
     "high_gain_3": HIGH_GAIN_3,
     "kalman": KALMAN,
     "kalman_constant": KALMAN_CONSTANT,
+    "levant": LEVANT,
 }
 # the observers that run where none is named
 PAPER = ("high_gain", "sliding_mode", "adaptive_sliding_mode")

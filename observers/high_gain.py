@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import casadi as ca
 
@@ -102,14 +102,14 @@ def pole_rates(p: Symbols, *injections: tuple[str, ...]) -> Mapping[str, ca.SX]:
 
     ρ is 1 if they are binomial, else that of the multiple pole with the largest of their coefficients.
     """
-    rho_1, rho_3, rho_4 = (_multiple_pole(p, chain) for chain in injections)
+    rho_1, rho_3, rho_4 = (multiple_pole([p[h] for h in chain]) for chain in injections)
     return {"ρ/ε_h": rho_1 / p.eps_h, "ρ/ε_L": ca.fmax(rho_3, rho_4) / p.eps_L}
 
 
-def _multiple_pole(p: Symbols, chain: tuple[str, ...]) -> ca.SX:
+def multiple_pole(chain: Sequence[ca.SX | float]) -> ca.SX:
     """ρ = maxᵢ (|hᵢ|/C(k, i))^(1/i), since (s + ρ)ᵏ has the coefficients C(k, i) ρⁱ."""
     k = len(chain)
-    return functools.reduce(ca.fmax, [(ca.fabs(p[h]) / math.comb(k, i)) ** (1 / i) for i, h in enumerate(chain, 1)])
+    return functools.reduce(ca.fmax, [(ca.fabs(h) / math.comb(k, i)) ** (1 / i) for i, h in enumerate(chain, 1)])
 
 
 def gains(s: Sizes, T: float) -> dict[str, float]:

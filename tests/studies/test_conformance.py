@@ -72,7 +72,7 @@ def violated(name: str, **changes: float) -> list[str]:
 
 def test_the_papers_gains_meet_their_conditions_but_for_the_rounded_one() -> None:
     assert violated("high_gain") == violated("high_gain_3") == []
-    assert violated("adaptive_sliding_mode") == []
+    assert violated("adaptive_sliding_mode") == violated("levant") == []
     (only,) = violated("sliding_mode")
     assert "[lambda11]: 28.17 > 28.17446 does not hold" in only
 
@@ -95,6 +95,9 @@ def test_the_papers_gains_meet_their_conditions_but_for_the_rounded_one() -> Non
         ("adaptive_sliding_mode", {"alpha0": 2.97}, "α₀ = 2√(2β₀): 2.97 = 2.966479"),
         ("adaptive_sliding_mode", {"h": 5e-3}, "h (r₀ + r_max)/δ_a < 2.5 (integration): 10.25 < 2.5"),
         ("adaptive_sliding_mode", {"sup_du1": 2.0}, "(dual layer): 0.01 >"),
+        ("levant", {"sup_dDelta": 0.06}, "L_D > sup|Δ̇|: 0.056 > 0.06"),
+        ("levant", {"sup_du2": 0.2}, "L_u2 > sup|u̇₂|: 0.12 > 0.2"),
+        ("levant", {"eps_L": 5e-4}, "h ρ/ε_L < 0.75 (integration): 1.048809 < 0.75"),
     ],
 )
 def test_a_violated_condition_is_reported_with_both_numbers(name: str, change: dict[str, float], words: str) -> None:

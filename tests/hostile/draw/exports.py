@@ -11,7 +11,7 @@ from hostile.draw.scenarios import gain
 
 _OUT, _FILE, PAGE = "c", "own.py", "x.html"
 OBSERVERS = (
-    *("high_gain", "high_gain_3", "sliding_mode", "adaptive_sliding_mode", "kalman_constant", "kalman"),
+    *("high_gain", "high_gain_3", "sliding_mode", "adaptive_sliding_mode", "kalman_constant", "kalman", "levant"),
     f"{_FILE}:block",
 )
 # a Block that goes to what is measured; each piece in capitals may be another one

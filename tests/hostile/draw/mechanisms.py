@@ -14,7 +14,7 @@ from places import DATA, RECORDINGS
 FILE = "hinge.toml"
 RECORDING = DATA / "hinge_pair_noisy.csv.gz"
 # what can follow a mechanism without another library
-OBSERVERS = ("high_gain", "high_gain_3", "kalman_constant", "sliding_mode", "adaptive_sliding_mode")
+OBSERVERS = ("high_gain", "high_gain_3", "kalman_constant", "levant", "sliding_mode", "adaptive_sliding_mode")
 _SHIPPED = "hinge_pair.toml"
 _TEXT = (RECORDINGS / _SHIPPED).read_text()
 _NUMBER = re.compile(r"(?<=[ \[=])-?[0-9]+(?:\.[0-9]+)?(?=[,\]\n])")

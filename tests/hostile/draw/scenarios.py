@@ -10,7 +10,7 @@ from hostile.draw.names import odd_kind, odd_name
 from hostile.draw.numbers import number, refused
 from places import OF_THE_PAIR
 
-OBSERVERS = ("high_gain", "high_gain_3", "sliding_mode", "adaptive_sliding_mode")
+OBSERVERS = ("high_gain", "high_gain_3", "sliding_mode", "adaptive_sliding_mode", "levant")
 _FILE = "x.toml"
 # a number of the grid of time decides how long a case takes: these are short, or refused
 _TIMES = {

@@ -14,7 +14,7 @@ from places import RECORDINGS
 SHIPPED, MUSCLES = RECORDINGS / "dgf_smooth_noisy.csv.gz", RECORDINGS / "dgf_smooth.toml"
 ALL_OBSERVERS = list(OBSERVERS)
 HINGE, DYNAMOMETER = RECORDINGS / "hinge_pair.toml", RECORDINGS / "dynamometer.toml"
-CHAINS = ("high_gain", "high_gain_3", "kalman_constant", "sliding_mode", "adaptive_sliding_mode")
+CHAINS = ("high_gain", "high_gain_3", "kalman_constant", "levant", "sliding_mode", "adaptive_sliding_mode")
 
 UNLIKE_MUSCLES = """
 mass = 12.0

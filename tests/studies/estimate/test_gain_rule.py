@@ -31,6 +31,7 @@ MOST_STEPS = {
     "adaptive_sliding_mode": 10,
     "kalman": 1,
     "kalman_constant": 3,
+    "levant": 2,
 }
 # those that take a length without asking how stiff the tendon is
 TOLD = [name for name, observer in OBSERVERS.items() if not set(observer.block().u) & set(SLOPES)]

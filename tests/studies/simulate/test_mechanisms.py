@@ -181,7 +181,7 @@ def test_each_drive_runs(drive: str) -> None:
 
 @pytest.mark.chaos
 def test_an_arm_draws_an_eight_with_every_observer_and_noise() -> None:
-    observers = ["high_gain", "high_gain_3", "sliding_mode", "adaptive_sliding_mode", "kalman_constant"]
+    observers = ["high_gain", "high_gain_3", "sliding_mode", "adaptive_sliding_mode", "kalman_constant", "levant"]
     run = simulate("arm", observers)
     assert json.loads(run.attrs["failures"]) == {}
     late = run.sel(time=slice(40, None))
