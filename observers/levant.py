@@ -28,8 +28,8 @@ PARAMETERS = {
     "L_D": Parameter(0.056, "Lipschitz constant of Δ_Φ: its largest rate", _OURS, above=0),
     "L_u1": Parameter(0.12, "Lipschitz constant of u₁: its largest rate", _OURS, above=0),
     "L_u2": Parameter(0.12, "Lipschitz constant of u₂: its largest rate", _OURS, above=0),
-    "eps_h": Parameter(0.005, "ε of the chain of x̂₁ at e₁ = 0: it is never faster", _OURS, above=0),
-    "eps_L": Parameter(0.005, "ε of the chains of x̂₃, x̂₄ at e = 0: they are never faster", _OURS, above=0),
+    "eps_h": Parameter(0.03, "ε of the chain of x̂₁ at e₁ = 0: it is never faster", _OURS, above=0),
+    "eps_L": Parameter(0.01, "ε of the chains of x̂₃, x̂₄ at e = 0: they are never faster", _OURS, above=0),
     "m": MASS,
     **START,
 }

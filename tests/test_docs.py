@@ -205,8 +205,8 @@ def test_the_commands_of_a_page_run(page: Path, desk: Path) -> None:
 def test_the_numbers_that_shown_commands_change_exist() -> None:
     # the last one is of the pages' own observer
     paths = {"seed", *VALID_CHOICES, "mine.gain"}
-    for curves in (NGUYEN2019, THELEN2003):
-        paths |= all_paths((), curves).parameters.keys() | all_paths((), curves).groups().keys()
+    for of in (all_paths((), NGUYEN2019), all_paths((), THELEN2003), all_paths((), NGUYEN2019, corrected=True)):
+        paths |= of.parameters.keys() | of.groups().keys()
     of_arm = prepare("arm", "high_gain", {}).paths
     paths |= of_arm.parameters.keys() | of_arm.groups().keys()
     text = "\n".join(page.read_text(encoding="utf-8") for page in (*PAGES, *OTHERS))
