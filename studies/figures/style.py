@@ -25,7 +25,7 @@ _WIDTH = 1.1
 _ALONE: Style = {"linestyle": "-", "linewidth": 0.8}
 # a line in a panel that is a part of a page's width
 _NARROW = 0.5
-# Okabe and Ito's colours, then two of Tol's; dashes keep them apart in grey too, and where lines coincide the gaps show
+# Okabe and Ito's colours, then three of Tol's; dashes keep them apart in grey too, and where lines coincide the gaps show
 # those below
 _OBSERVERS: tuple[Style, ...] = tuple(
     {"color": color, "linestyle": dashes, "linewidth": _WIDTH, "zorder": 3 + place / 10}
@@ -39,6 +39,7 @@ _OBSERVERS: tuple[Style, ...] = tuple(
             ("#56B4E9", (0, (5, 1.5, 1, 1.5, 1, 1.5))),
             ("#882255", (0, (8, 1.5, 2.5, 1.5))),
             ("#999933", (0, (2.5, 1.5, 1, 1.5, 1, 1.5))),
+            ("#332288", (0, (8, 1.5, 1, 1.5, 1, 1.5))),
         )
     )
 )
