@@ -95,4 +95,5 @@ def gains(s: Sizes, T: float) -> dict[str, float]:
     return {"L_D": s.D_max / _CHANGE_D, "L_u1": L_u, "L_u2": L_u, "eps_h": s.eps_1, "eps_L": s.eps_L}
 
 
-LEVANT = Observer("Levant", chains, None, theorem, gains, rates, LIMIT)
+TUNED = ("L_D", "L_u1", "L_u2", "eps_h", "eps_L")
+LEVANT = Observer("Levant", chains, None, theorem, gains, rates, LIMIT, tuned=TUNED)

@@ -17,7 +17,7 @@ from types import FrameType
 _WATCHED = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 # a shell adds the number of the signal
 _STATUS = 128
-_AGAIN = 0.05  # seconds between two looks whether somebody has swallowed the exception
+_AGAIN = 0.01  # seconds between two looks whether somebody has swallowed the exception
 _PATIENCE = 30.0  # seconds that cleaning up may take
 
 

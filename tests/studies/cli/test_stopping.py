@@ -201,7 +201,7 @@ def test_every_command_is_struck() -> None:
 
 @pytest.mark.parametrize("command", WORDS)
 def test_a_signal_during_start_up_is_not_lost(command: str, tmp_path: Path) -> None:
-    """In each command somewhere else: some hundred modules are imported before it begins."""
-    at = 10 + 15 * list(WORDS).index(command)
+    """In each command somewhere else: dozens of modules are imported before it begins."""
+    at = 10 + 5 * list(WORDS).index(command)
     done = in_a_process("-c", STRUCK, str(at), *WORDS[command].split(), timeout=120, HILLOBS_CACHE=str(tmp_path))
     assert (done.returncode, done.stdout, done.stderr) == (130, "", "hillobs: stopped\n")
