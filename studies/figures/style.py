@@ -25,8 +25,8 @@ _WIDTH = 1.1
 _ALONE: Style = {"linestyle": "-", "linewidth": 0.8}
 # a line in a panel that is a part of a page's width
 _NARROW = 0.5
-# Okabe and Ito's colours, then three of Tol's; dashes keep them apart in grey too, and where lines coincide the gaps show
-# those below
+# Okabe and Ito's colours, then three of Tol's; dashes keep them apart in grey too, and where lines coincide the gaps
+# show those below
 _OBSERVERS: tuple[Style, ...] = tuple(
     {"color": color, "linestyle": dashes, "linewidth": _WIDTH, "zorder": 3 + place / 10}
     for place, (color, dashes) in enumerate(
