@@ -30,7 +30,8 @@ _TRAINING, _TESTS = 2, 4
 _DICE_OF_TRAINING, _DICE_OF_TESTS = 0, 1
 # noise of a test is drawn so often
 _TEST_SEEDS = 10
-_MOST_TRIALS, _MOST_SEEDS = 1_000_000, 1_000
+# the front compares each trial with each other one
+_MOST_TRIALS, _MOST_SEEDS = 20_000, 1_000
 
 # a quantity, or several with commas between or as a list, whose errors are one objective
 Objective = str | Sequence[str]
@@ -117,6 +118,8 @@ def _checked(over: Mapping[str, object]) -> Iterator[tuple[str, Range]]:
 def _objectives(quantities: Sequence[Objective] | None, known: Sequence[str]) -> tuple[tuple[str, ...], ...]:
     if quantities is None:
         return (tuple(known),)
+    if isinstance(quantities, str):
+        raise ScenarioError(f"quantities must be a list of objectives, not {shown(quantities)}")
     groups = [one.split(",") if isinstance(one, str) else list(one) for one in quantities]
     named = [quantity for group in groups for quantity in group]
     for quantity in named:

@@ -123,6 +123,8 @@ def test_digits_of_what_is_tried_are_few() -> None:
         ({"quantities": ["x9"]}, "unknown quantity 'x9'"),
         ({"quantities": ["x2", "x1,x2"]}, "a quantity is named twice"),
         ({"quantities": []}, "at least one quantity"),
+        ({"quantities": "x2"}, "quantities must be a list of objectives, not 'x2'"),
+        ({"trials": 10**6}, "trials must be"),
         ({"quantities": ["x2", ""]}, "unknown quantity ''"),
         ({"over": {"high_gain.eps_h": Range(0.1, 0.2, 3)}}, "a search needs a range without a number of values"),
         ({"over": {"high_gain.eps_h": [0.1, 0.2]}}, "a search needs a range"),
