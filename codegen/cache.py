@@ -1,7 +1,7 @@
 """Where compiled libraries live: found by the hash of all that determines them, checked before each load.
 
 An entry is `<key>.json`, its manifest, `<key>-<hash of the library>.so`, and `<key>.cpp`, the source, for people to
-read. Under a key of its own `<key>.exported` spares an export. Nothing on disk is believed unproved.
+read. What else follows from our code is `<key>.kept`, under a key of its own. Nothing on disk is believed unproved.
 """
 
 from __future__ import annotations
@@ -32,8 +32,8 @@ ABI = 1  # what a library and its caller agree on; raised with each change of th
 MANIFEST_LIMIT, SOURCE_LIMIT = 1_000_000, 50_000_000  # bytes
 ZIG_FOLDER = "hillobs-zig"
 
-_OURS = re.compile(r"([0-9a-f]{64})(?:\.json|\.lock|\.cpp|\.exported|-[0-9a-f]{16}\.so|-\w+\.tmp)")
-_EXPORTED = ".exported"
+_OURS = re.compile(r"([0-9a-f]{64})(?:\.json|\.lock|\.cpp|\.kept|-[0-9a-f]{16}\.so|-\w+\.tmp)")
+_KEPT = ".kept"
 _CLAIM = re.compile(rb'"sha256":"([0-9a-f]{64})","size":([0-9]{1,12}),')
 _UNWRITABLE = {errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOLCK, errno.ENOTSUP, errno.ETIMEDOUT}
 
@@ -120,7 +120,7 @@ def remember(key: str, content: bytes) -> None:
         locked(folder / f"{key}.lock", patience=0),
         _scratch(folder, key) as scratch,
     ):
-        name = f"{key}{_EXPORTED}"
+        name = f"{key}{_KEPT}"
         write_new(scratch / name, _kept_seal(key, content) + b"\n" + content)
         os.replace(scratch / name, folder / name)
 
@@ -128,7 +128,7 @@ def remember(key: str, content: bytes) -> None:
 def recall(key: str) -> bytes | None:
     """Return what is kept under a key; None if there is nothing, or not what was written there."""
     with contextlib.suppress(OSError, _DamageError):
-        seal, _, content = _read(cache_folder() / f"{key}{_EXPORTED}", SOURCE_LIMIT).partition(b"\n")
+        seal, _, content = _read(cache_folder() / f"{key}{_KEPT}", SOURCE_LIMIT).partition(b"\n")
         if seal == _kept_seal(key, content):
             return content
     return None

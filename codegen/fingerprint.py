@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-import functools
-import hashlib
 import json
-import time
 from collections.abc import Sequence
-from pathlib import Path
 
 import casadi as ca
 
@@ -15,18 +11,15 @@ from ..model.block import EXPRESSIONS, STEP, Block
 from .cache import entry_key, recall, remember
 from .export import Source
 from .loop import Loop, export_loop
+from .own_code import own_code
 
 # what exports: this package with its kernel, and what Blocks are
 _PACKAGES = ("codegen", "model")
-_CODE = (".py", ".hpp", ".cpp")
-_IMPORTED = time.time()
-# seconds in which a process has surely imported all that exports
-_IMPORTING = 10.0
 
 
 def exported(loop: Loop) -> Source:
     """What `export_loop` makes of the loop, from the cache if it is there."""
-    if not (code := _code()):
+    if not (code := own_code(*_PACKAGES)):
         return export_loop(loop)
     key = fingerprint(loop, code)
     if kept := recall(key):
@@ -62,14 +55,3 @@ def _told(block: Block) -> list[object]:
 
 def _column(entries: Sequence[ca.SX]) -> ca.SX:
     return ca.vertcat(*entries) if entries else ca.SX(0, 1)
-
-
-@functools.cache
-def _code() -> str:
-    """The hash of the files of all that exports; nothing if one is so new that this process may run an older one."""
-    root, digest = Path(__file__).parents[1], hashlib.sha256()
-    for path in sorted(path for package in _PACKAGES for path in (root / package).rglob("*") if path.suffix in _CODE):
-        if path.stat().st_ctime > _IMPORTED - _IMPORTING:
-            return ""
-        digest.update(f"{path.relative_to(root)} {path.stat().st_size}\n".encode() + path.read_bytes())
-    return digest.hexdigest()

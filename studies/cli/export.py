@@ -21,9 +21,10 @@ from ..laboratory.subject import subject_of
 from ..scenarios.layers import Value
 from .reports.number import counted
 from .reports.written import written
-from .shell.options import corrected_option, observer_option, scenario_argument, set_option, whole_option
+from .shell.options import corrected_option, observer_option, set_option, whole_option
 from .shell.own_observers import loaded
 from .shell.progress import bar
+from .shell.scenario_arguments import scenario_argument
 from .shell.terminal import say
 
 _AT_SAMPLES = "which move at samples only"

@@ -27,8 +27,9 @@ from ..scenarios.layers import Value
 from ..scenarios.prepare import prepare
 from .reports.observability import answer_as_json, answer_table, details, ranks_along, ranks_over, summary
 from .reports.written import written
-from .shell.options import scenario_argument, set_option, whole_option
+from .shell.options import set_option, whole_option
 from .shell.progress import bar
+from .shell.scenario_arguments import scenario_argument
 from .shell.tables import print_table
 from .shell.terminal import complain, say
 

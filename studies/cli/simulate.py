@@ -18,9 +18,10 @@ from ..simulate.files import FIGURES, run_paths, save
 from ..simulate.run import RunWarning, simulate_prepared
 from .reports.simulate import failures, notes, tables
 from .reports.written import written
-from .shell.options import corrected_option, observer_option, scenarios_argument, set_option
+from .shell.options import corrected_option, observer_option, set_option
 from .shell.own_observers import loaded
 from .shell.progress import bar
+from .shell.scenario_arguments import scenarios_argument
 from .shell.tables import print_table
 from .shell.terminal import NUMERICAL, complain, say
 

@@ -22,10 +22,11 @@ from ..sweep.pictures import sweep_figure_paths
 from ..sweep.plan import MANY_RUNS, plan
 from ..sweep.run import engine, sweep_planned
 from .reports.sweep import notes, step_table, tables
-from .shell.options import corrected_option, observer_option, over_option, scenario_argument, set_option, whole_option
+from .shell.options import corrected_option, observer_option, over_option, set_option, whole_option
 from .shell.own_observers import loaded
 from .shell.pace import Pace
 from .shell.progress import bar, counting
+from .shell.scenario_arguments import scenario_argument
 from .shell.stopping import Stopped
 from .shell.tables import print_table
 from .shell.terminal import NUMERICAL, say

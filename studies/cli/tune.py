@@ -19,9 +19,10 @@ from ..tune.run import tuned
 from ..tune.task import task
 from .reports.tune import factors_table, scenario_file, sentences
 from .reports.written import written
-from .shell.options import corrected_option, over_option, scenario_argument, set_option, whole_option
+from .shell.options import corrected_option, over_option, set_option, whole_option
 from .shell.own_observers import loaded
 from .shell.progress import bar, counting
+from .shell.scenario_arguments import scenario_argument
 from .shell.stopping import Stopped
 from .shell.tables import print_table
 from .shell.terminal import say

@@ -8,6 +8,7 @@ import casadi as ca
 import pytest
 
 from hillobs.codegen import fingerprint as module
+from hillobs.codegen import own_code
 from hillobs.codegen.fingerprint import exported, fingerprint
 from hillobs.codegen.loop import Loop, export_loop
 from hillobs.model.block import EXPRESSIONS, STEP, Block, Parameter, Symbols
@@ -122,7 +123,7 @@ def test_how_casadi_writes_counts() -> None:
 def empty(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """An empty cache, of code that is as old as the process."""
     monkeypatch.setenv("HILLOBS_CACHE", str(tmp_path / "cache"))
-    monkeypatch.setattr(module, "_code", lambda: "code")
+    monkeypatch.setattr(module, "own_code", lambda *packages: "code")
     return tmp_path / "cache"
 
 
@@ -142,7 +143,7 @@ def test_another_observer_of_the_same_name_is_exported_anew(empty: Path) -> None
 @pytest.mark.parametrize("damage", [b"", b"\n", b"{}", b"0" * 64 + b"\n{}"], ids=["empty", "line", "object", "no seal"])
 def test_what_is_damaged_is_exported_again(empty: Path, damage: bytes) -> None:
     first = exported(fresh())
-    (kept,) = empty.glob("*.exported")
+    (kept,) = empty.glob("*.kept")
     whole = kept.read_bytes()
     kept.write_bytes(damage)
     assert exported(fresh()) == first
@@ -153,14 +154,14 @@ def test_code_that_changes_while_it_is_imported_keeps_nothing(tmp_path: Path, mo
     """What a process runs may then not be what is on the disk, and its C not that of the code there."""
     monkeypatch.setenv("HILLOBS_CACHE", str(tmp_path / "cache"))
     changed = max(path.stat().st_ctime for path in Path(module.__file__).parents[1].glob("codegen/*.py"))
-    module._code.cache_clear()
+    own_code.own_code.cache_clear()
     try:
-        monkeypatch.setattr(module, "_IMPORTED", changed)
-        assert module._code() == ""
+        monkeypatch.setattr(own_code, "_IMPORTED", changed)
+        assert own_code.own_code("codegen") == ""
         exported(fresh())
         assert not (tmp_path / "cache").exists()
-        module._code.cache_clear()
-        monkeypatch.setattr(module, "_IMPORTED", changed + 1000)
-        assert module._code() != ""
+        own_code.own_code.cache_clear()
+        monkeypatch.setattr(own_code, "_IMPORTED", changed + 1000)
+        assert own_code.own_code("codegen") != own_code.own_code("codegen", "model") != ""
     finally:
-        module._code.cache_clear()
+        own_code.own_code.cache_clear()

@@ -65,7 +65,7 @@ def run_program(text: str) -> None:
     """Run a program that uses the façade: our errors are a sentence and exit code 2, our warnings sentences."""
     import hillobs
     from hillobs.studies.files.quote import escaped
-    from hostile.nonsense import nonsense_in
+    from hostile.nonsense import NONSENSE, nonsense_in
 
     def show(message: Warning | str, category: type[Warning], *_: object) -> None:
         ours = category.__module__.startswith("hillobs")
@@ -85,4 +85,4 @@ def run_program(text: str) -> None:
         say(f"hillobs: {escaped(str(error))}")
         sys.exit(2)
     for sentence in nonsense_in(names.get("result")):
-        say(f"nonsense: {sentence}")
+        say(f"{NONSENSE}{sentence}")

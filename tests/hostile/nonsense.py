@@ -9,6 +9,8 @@ from collections.abc import Iterator
 import numpy as np
 import xarray as xr
 
+# what a sentence about the result of a program begins with
+NONSENSE = "nonsense: "
 # an estimate may be a million times the largest true or measured number of its kind, or 1, and no more
 BEYOND = 1e6
 # a measure that exists at one of two steps only has an error without end

@@ -12,7 +12,7 @@ from pathlib import Path
 from hillobs.model.errors import Error
 from hillobs.studies.files.datasets.netcdf import load
 from hostile.case import Case
-from hostile.nonsense import lost, nonsense_in, nonsense_told
+from hostile.nonsense import NONSENSE, lost, nonsense_in, nonsense_told
 from hostile.process import Ending
 
 DONE, NUMERICAL, USAGE, READER_GONE = 0, 1, 2, 141
@@ -34,7 +34,7 @@ def violations(case: Case, ending: Ending, written: list[Path]) -> Iterator[str]
     yield from _wrong_code(case, ending)
     if ending.orphans:
         yield f"{ending.orphans} processes are left running"
-    yield from _wrong_words(ending)
+    yield from _wrong_words(case, ending)
     yield from _wrong_numbers(case, ending, written)
     if ending.code == DONE:
         yield from _wrong_C(written)
@@ -58,12 +58,14 @@ def _wrong_code(case: Case, ending: Ending) -> Iterator[str]:
         yield "exit code 2 without a sentence"
 
 
-def _wrong_words(ending: Ending) -> Iterator[str]:
+def _wrong_words(case: Case, ending: Ending) -> Iterator[str]:
     both = ending.out + ending.err
     if "Traceback (most recent call last)" in both or "Exception ignored" in both:
         yield f"a traceback: {_last_line(both)}"
         return
-    lines = ending.err.splitlines()
+    # numbers that a forger has sealed into a result are not ours
+    forged = any(entry.get("seal") for entry in case.files.values())
+    lines = [line for line in ending.err.splitlines() if not (forged and line.startswith(NONSENSE))]
     told = next((i for i, line in enumerate(lines) if line.startswith(_COMPILER)), len(lines))
     if strange := [line for line in lines[:told] if not line.startswith("hillobs: ")]:
         yield f"a line that is no sentence of ours: {strange[0]!r}"

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from typing import Any
+from collections.abc import Iterable
 
 import click
 from click.shell_completion import CompletionItem
@@ -13,30 +12,14 @@ from ...estimate.bands.doubt import parse_doubt
 from ...files.errors import ScenarioError
 from ...files.numbers import NUMBER, number, typed_whole
 from ...files.quote import shown
-from ...scenarios.layers import Value, shipped
+from ...scenarios.layers import Value
 from ...scenarios.loops import all_paths
 from ...scenarios.scenario import VALID_CHOICES, typed_changes
 from ...sweep.axes import Values, parse_axis
+from .scenario_arguments import Decorator
 
-Decorator = Callable[[Any], Any]
-
-_SCENARIO = "SCENARIO|FILE.toml"
 # unit → s; what ends in none of them has no unit
 _SECONDS = {"ms": 1e-3, "s": 1.0, "": 1.0}
-
-
-def scenario_argument(default: str | None = None) -> Decorator:
-    """SCENARIO: a shipped scenario or a TOML file."""
-    word = _SCENARIO if default is None else f"[{_SCENARIO}]"
-    required = default is None
-    return click.argument(
-        "scenario", default=default, required=required, metavar=word, shell_complete=_complete_scenarios
-    )
-
-
-def scenarios_argument() -> Decorator:
-    """Any number of them: a tuple."""
-    return click.argument("scenarios", nargs=-1, metavar=f"[{_SCENARIO}]...", shell_complete=_complete_scenarios)
 
 
 def observer_option() -> Decorator:
@@ -156,10 +139,6 @@ def _axes(ctx: click.Context, param: click.Parameter, typed: tuple[str, ...]) ->
     if len(axes) < len(typed):
         raise ScenarioError("a path is given to --over twice")
     return axes
-
-
-def _complete_scenarios(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
-    return [*_beginning(shipped(), incomplete), CompletionItem(incomplete, type="file")]
 
 
 def _complete_observers(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:

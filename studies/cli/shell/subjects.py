@@ -8,7 +8,7 @@ from ...files.errors import ScenarioError
 from ...laboratory.mechanisms.reading import read_mechanism
 from ...laboratory.muscles import read_muscles
 from ...laboratory.subject import Subject, pair_subject, subject_of
-from .options import Decorator
+from .scenario_arguments import Decorator
 
 _MUSCLES = click.option("--muscles", metavar="FILE.toml", help="A pair of muscles in SI, see docs/recordings.md.")
 _MECHANISM = click.option("--mechanism", metavar="FILE.toml", help="Or joints and muscles, see docs/mechanisms.md.")

@@ -13,7 +13,7 @@ from hillobs.codegen.cache import CacheWarning
 @pytest.fixture
 def kept(folder):
     cache.remember(KEY, CONTENT)
-    return folder / f"{KEY}.exported"
+    return folder / f"{KEY}.kept"
 
 
 def test_what_is_kept_is_found_again(kept):
@@ -35,7 +35,7 @@ def test_a_flipped_bit(kept, bit):
 
 
 def test_under_another_key(folder, kept):
-    kept.rename(folder / f"{OTHER}.exported")
+    kept.rename(folder / f"{OTHER}.kept")
     assert cache.recall(OTHER) is None
 
 

@@ -50,7 +50,7 @@ def _around(random: Random, fresh: bool, kind: str, share: float) -> list[Layer]
     """Surroundings: a share of the cases meets signals, limits, odd streams; each fresh one, or an odd environment."""
     # what Python says of a signal, and libraries without memory and files, is for the caller of the façade
     if kind == "programs":
-        odd = (surroundings.environment,) if fresh else (surroundings.streams,)
+        odd = (surroundings.environment_of_programs,) if fresh else (surroundings.streams,)
     elif fresh:
         odd = (surroundings.environment, surroundings.environment, _fresh_signal, surroundings.limits)
     else:

@@ -29,6 +29,7 @@ _ENVIRONMENT: dict[str, tuple[str | None, ...]] = {
     "SOURCE_DATE_EPOCH": ("x", "0"),
     "OMP_NUM_THREADS": ("x",),
 }
+_OF_LIBRARIES = ("SOURCE_DATE_EPOCH",)
 _SIGNALS = ("SIGINT", "SIGINT", "SIGTERM", "SIGHUP")
 # calls that Python reports between the start of hillobs and the end of a short command
 _CALLS = 4000
@@ -36,7 +37,16 @@ _CALLS = 4000
 
 def environment(random: Random) -> Layer:
     """One or two variables."""
-    names = random.sample(list(_ENVIRONMENT), random.choice((1, 1, 2)))
+    return _some_of(random, list(_ENVIRONMENT))
+
+
+def environment_of_programs(random: Random) -> Layer:
+    """The same, but for what NumPy and matplotlib themselves answer when a program imports them."""
+    return _some_of(random, [name for name in _ENVIRONMENT if name not in _OF_LIBRARIES])
+
+
+def _some_of(random: Random, known: list[str]) -> Layer:
+    names = random.sample(known, random.choice((1, 1, 2)))
     return {"environment": {name: random.choice(_ENVIRONMENT[name]) for name in names}, "fresh": True}
 
 
