@@ -14,6 +14,7 @@ from ...figures.league import cost_figure, robustness_figure
 from ...figures.page import content
 from ...files.versions import __version__
 from ...files.writing import write_whole
+from ...league.arm import SOURCE, arm
 from ...league.cells import HOME
 from ...league.claims import claims
 from ...league.closed import closed
@@ -21,6 +22,7 @@ from ...league.cost import cost
 from ...league.lines import lines
 from ...league.play import entries, played
 from ..reports.league import (
+    arm_table,
     cells_list,
     cells_table,
     claims_table,
@@ -65,6 +67,8 @@ def main() -> None:
             *(line for quantity in _SHOWN for line in ("", *cells_table(table, quantity))),
             "\nConditions that do not hold (†):\n",
             *conditions_list(table),
+            f"\n## The {SOURCE}\n",
+            *arm_table(arm(_SEEDS)),
             "\n## Closed on the estimates\n",
             *closed_table(tracked),
             "\n## What the paper says\n",

@@ -49,6 +49,15 @@ def cells_table(played: Played, quantity: str) -> Iterator[str]:
         yield _row(row)
 
 
+def arm_table(arm: xr.DataArray) -> Iterator[str]:
+    """Each observer of the arm: median errors by kind."""
+    kinds = arm["quantity"].values.tolist()
+    yield from _head(["", *kinds])
+    for name in arm.observer.values.tolist():
+        of = arm.sel(observer=name)
+        yield _row([label(name), *(_median_and_spread(of.sel(quantity=kind)) for kind in kinds)])
+
+
 def closed_table(closed: xr.DataArray) -> Iterator[str]:
     """What is tracked, by whose estimates."""
     yield from _head(["controller sees", "x₁ − r, RMS from τ = 8 on", "worst seed"])
@@ -89,7 +98,7 @@ def gains_list() -> Iterator[str]:
 def _median_and_spread(errors: xr.DataArray) -> str:
     median = float(errors.median(skipna=False))
     low, high = errors.quantile(_SPREAD, "seed").values
-    return f"{number(median)} ±{percent((high - low) / 2 / median)}"
+    return f"{number(median)} ±{percent((high - low) / 2 / median)}" if median else number(median)
 
 
 def _mark(played: Played, entry: str, cell: str) -> str:

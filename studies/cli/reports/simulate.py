@@ -121,18 +121,18 @@ def notes(dataset: xr.Dataset) -> Iterator[str]:
 def _led(dataset: xr.Dataset) -> Iterator[str]:
     """How closely a position follows its reference; of a mechanism also in which units all numbers are."""
     start = json.loads(dataset.attrs["parameters"])["score.start"]
-    late = dataset.time.values >= start
+    # a plant that failed is nowhere
+    known = (dataset.time.values >= start) & dataset.x.notnull().all("state").values
     if "joint" not in dataset:
-        # a plant that failed is nowhere
-        if "r" in dataset and (known := late & dataset.x.notnull().all("state").values).any():
+        if "r" in dataset and known.any():
             off = abs(dataset.x.sel(state="x1") - dataset.r).values[known].max()
             feedback = json.loads(dataset.attrs["choices"]).get(FEEDBACK, STATES)
             sees = "" if feedback == STATES else f", with the controller on the estimates of {label(feedback)}"
             yield f"x1 is within {off:.2g} of its reference from τ = {start:g} on{sees}"
         return
     scales = json.loads(dataset.attrs["scales"])
-    if "place" in dataset:
-        off_by = np.abs(dataset["at"].values - dataset["r"].values)[late].max(axis=0, initial=0.0)
+    if "place" in dataset and known.any():
+        off_by = np.abs(dataset["at"].values - dataset["r"].values)[known].max(axis=0)
         for name, off in zip(dataset.place.values.tolist(), off_by.tolist(), strict=True):
             metres = f" ({off * scales['length']:.2g} m)" if "." in name else ""
             yield f"{name} is within {off:.2g}{metres} of its reference from τ = {start:g} on"

@@ -1,5 +1,6 @@
 """The league: who plays where with which gains, what is made of the paper's claims, and what the tables show."""
 
+import math
 from collections.abc import Mapping
 
 import numpy as np
@@ -7,9 +8,17 @@ import pytest
 import xarray as xr
 
 from hillobs.observers import OBSERVERS, PAPER
-from hillobs.studies.cli.reports.league import cells_table, claims_table, closed_table, conditions_list, home_table
+from hillobs.studies.cli.reports.league import (
+    arm_table,
+    cells_table,
+    claims_table,
+    closed_table,
+    conditions_list,
+    home_table,
+)
 from hillobs.studies.figures.league import cost_figure, robustness_figure
 from hillobs.studies.league import play
+from hillobs.studies.league.arm import by_kind
 from hillobs.studies.league.cells import CELLS, HOME, Cell
 from hillobs.studies.league.claims import Claim, claims
 from hillobs.studies.league.gains import SETS, TUNED
@@ -130,6 +139,20 @@ def test_a_failure_and_a_broken_condition_are_shown() -> None:
         robustness_figure(errors.median("seed", skipna=False).drop_sel(entry="baseline")),
     )
     assert [len(figure.axes) for figure in figures] == [4, 1]
+
+
+def test_the_quantities_of_an_arm_are_told_by_kind() -> None:
+    names = ["shoulder.q", "elbow.q", "BRA.a", "TRI.a"]
+    rmse = xr.DataArray(
+        [[[3.0, 4.0, 1.0, 7.0]], [[3.0, np.nan, 1.0, 1.0]]],
+        {"seed": [0, 1], "observer": ["high_gain"], "quantity": names},
+        ("seed", "observer", "quantity"),
+    )
+    found = by_kind(rmse).sel(observer="high_gain")
+    np.testing.assert_allclose(found.sel(quantity="q"), [math.sqrt(12.5), np.nan])
+    np.testing.assert_allclose(found.sel(quantity="a"), [5.0, 1.0])
+    *_, row = arm_table(by_kind(rmse.isel(seed=[0, 0])))
+    assert row == "| HGO | 3.5 ±0 % | 5 ±0 % |"
 
 
 def test_a_plant_that_fails_when_closed_is_shown() -> None:

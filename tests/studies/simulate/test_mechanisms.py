@@ -79,6 +79,12 @@ def test_what_is_told_of_a_run_is_of_the_mechanism(run: xr.Dataset) -> None:
     assert "elbow is within" in told
     assert "in units of TRIlat: lengths 0.1138 m, forces 624.3 N, time 0.1 s" in told
     assert set(figures(run)) == set(FIGURES)
+    # a plant that fails later is told of up to there, one that fails at once is nowhere
+    for failed, words in ((run.time > 0.5 * float(run.time[-1]), True), (run.time >= 0, False)):
+        lost = run.assign({name: run[name].where(~failed) for name in ("x", "at")})
+        told = "\n".join(notes(lost))
+        assert ("elbow is within" in told) == words
+        assert "nan" not in told
 
 
 @pytest.mark.parametrize(
