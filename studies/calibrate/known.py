@@ -65,6 +65,10 @@ def known(trial: Trial, subject: Subject, progress: Progress) -> Iterator[Known]
     _, along = subject.fibres(q, s.lengths(L_S))
     time = recording.time
     first, last = trial.between or (time[0], time[-1])
+    if not (inside := (time >= first) & (time <= last)).any():
+        raise RecordingError(
+            f"{recording.source}: no sample lies between {first:g} and {last:g} s; it has {time[0]:g} to {time[-1]:g} s"
+        )
     for j, (name, muscle) in enumerate(subject.muscles.items()):
         if name not in trial.activation:
             continue
@@ -77,7 +81,7 @@ def known(trial: Trial, subject: Subject, progress: Progress) -> Iterator[Known]
         # u errs as the velocity does, so the tendon's rate is known far better than either
         sds = np.column_stack([slope * sd_S[:, j], none, sd_L[:, j], sd_dL[:, j], none])
         values = np.column_stack([F, dF, L_m[:, j], dL_m[:, j], a])
-        seen = (time >= first) & (time <= last) & np.isfinite(sds).all(axis=1) & (told.bridged.values == 0)
+        seen = inside & np.isfinite(sds).all(axis=1) & (told.bridged.values == 0)
         if not seen.any():
             raise RecordingError(f"{recording.source}: no sample tells anything of {name}: its tendon carries no force")
         yield Known(recording.source, name, time[seen], values[seen], sds[seen], trial.sds[name])

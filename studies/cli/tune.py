@@ -9,6 +9,7 @@ from pathlib import Path
 
 import click
 
+from ..files.errors import ScenarioError
 from ..files.pictures import figure_paths
 from ..files.quote import escaped
 from ..files.writing import refuse_overwriting, writable_folder, write_whole
@@ -32,12 +33,14 @@ _SEARCH = "search"
 
 @click.command()
 @scenario_argument("paper-noisy")
-@click.option("--observer", required=True, metavar="NAME|FILE.py:NAME", help="Whose gains; also a Block of your own.")
+@click.option(
+    "--observer", "observers", multiple=True, metavar="NAME|FILE.py:NAME", help="Whose gains; also a Block of your own."
+)
 @click.option(
     "--quantity", "quantities", multiple=True, metavar="NAMES",
     help="An objective: the error of x2, or of x2,Delta,u1 together. Several make a front; one of all by default.",
 )  # fmt: skip
-@over_option()
+@over_option("A number that is tuned: PATH=lin:LOW:HIGH or PATH=log:LOW:HIGH.")
 @whole_option("--trials", 1, "How many, in rounds of 50.", default=2000)
 @whole_option("--seeds", 1, "Draws of the noise of each training run.", default=4)
 @corrected_option(default=False)
@@ -49,7 +52,7 @@ _SEARCH = "search"
 @whole_option("--workers", 1, "Threads; one per core by default.")
 def tune(
     scenario: str,
-    observer: str,
+    observers: tuple[str, ...],
     quantities: tuple[str, ...],
     over: dict[str, Values],
     trials: int,
@@ -66,7 +69,11 @@ def tune(
     as a scenario that can be run. A search that was stopped goes on with the same command; with more --trials further.
     """
     folder = writable_folder(Path(out))
-    (whose,) = loaded([observer]) or [observer]
+    if len(observers) != 1:
+        raise ScenarioError(
+            f"a search is of one observer: name it with --observer, once and not {len(observers)} times"
+        )
+    (whose,) = loaded(observers) or observers
     with engine(workers, None) as (compute, _):
         with bar("preparing"):
             asked = task(scenario, whose, quantities or None, over, trials, seeds, changes, corrected, compute)

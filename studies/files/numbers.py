@@ -23,7 +23,7 @@ GAP = re.compile(r"([+-]?nan)?", re.IGNORECASE | re.ASCII)
 # of a whole number on a command line
 _MOST_DIGITS = 12
 # no quantity of a muscle, in any unit, is beyond these; a product of ten such numbers is a number still
-_SMALLEST, _LARGEST = 1e-30, 1e30
+SMALLEST, LARGEST = 1e-30, 1e30
 _LARGEST_SEED = 2**64 - 1
 
 
@@ -107,8 +107,8 @@ def within(path: str, value: object, parameter: Parameter) -> float:
     plain = number(path, value)
     if objection := parameter.objection(plain):
         raise ScenarioError(f"{path} must be {objection}, not {plain:.12g}")
-    if plain and not _SMALLEST <= abs(plain) <= _LARGEST:
-        raise ScenarioError(f"{path} must be 0 or from {_SMALLEST:g} to {_LARGEST:g} in magnitude, not {plain:g}")
+    if plain and not SMALLEST <= abs(plain) <= LARGEST:
+        raise ScenarioError(f"{path} must be 0 or from {SMALLEST:g} to {LARGEST:g} in magnitude, not {plain:g}")
     return plain
 
 

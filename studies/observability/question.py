@@ -220,6 +220,8 @@ def _plant(
 def _numbers(system: System, parameters: Sequence[str]) -> tuple[str, ...]:
     """Those of muscles, and one by one. ScenarioError for what is neither."""
     known = [*system.muscles, *system.curve_parameters]
+    if not isinstance(parameters, list | tuple) or not all(isinstance(name, str) for name in parameters):
+        raise ScenarioError(f"parameters must be a list of names, not {shown(parameters)}")
     for name in parameters:
         if name not in known:
             near = difflib.get_close_matches(short(name), known, n=3) or list(system.muscles)

@@ -62,7 +62,7 @@ class Candidates:
         """The candidates as the points of a sweep, with the numbers that follow from theirs."""
         values = dict(zip(self.paths, rounded(numbers).T, strict=True))
         prepared = self.plan.prepared
-        values |= {one.path: one.solved(prepared, values, len(numbers)) for one in equations(prepared, values)}
+        values |= {one.path: one.solved(prepared, values, len(numbers)) for one in equations(prepared)}
         return Axes("zip", tuple(values), tuple(values.values()))
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import casadi as ca
@@ -29,12 +29,12 @@ class Equation:
         return found
 
 
-def equations(prepared: Prepared, tuned: Container[str]) -> Iterator[Equation]:
-    """Those of the observers that run, but for numbers that are tuned all the same."""
+def equations(prepared: Prepared) -> Iterator[Equation]:
+    """Those of the observers that run."""
     for block, conditions, known in conditions_of(prepared):
         of_symbol = {symbol.name(): f"{block.name}.{name}" for name, symbol in known.only(block.p).items()}
         for condition in conditions:
             path = of_symbol.get(condition.left.name()) if condition.left.is_symbolic() else None
-            if condition.relation == "=" and path is not None and path not in tuned:
+            if condition.relation == "=" and path is not None:
                 function = ca.Function("number", [known.only(block.p).vector()], [condition.right])
                 yield Equation(path, function, tuple(of_symbol.values()))

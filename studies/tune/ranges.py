@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from ...model.block import Parameter
 from ...observers import Observer
 from ..files.errors import ScenarioError
+from ..files.numbers import LARGEST, SMALLEST
 from ..scenarios.prepare import Prepared
 from ..sweep.axes import Range
 
 # a number may become so many times larger or smaller: the paper's filters are 30 times too fast for its noise
 SPAN = 30.0
+# a bound that is itself no value is left alone by so much of what lies between
+_OFF = 1e-3
 
 
 def usual_ranges(prepared: Prepared, observer: Observer, name: str) -> dict[str, Range]:
@@ -16,19 +20,23 @@ def usual_ranges(prepared: Prepared, observer: Observer, name: str) -> dict[str,
 
     Numbers that several joints or muscles have are one. ScenarioError if there are none.
     """
-    (block,) = (block for block in prepared.loop.observers if block.name == name)
-    paths = [f"{name}.{number}" for number in block.p if _is_gain(prepared, observer, f"{name}.{number}")]
+    block = observer.block(prepared.corrected, prepared.system)
+    paths = [
+        f"{name}.{number}"
+        for number, parameter in block.parameters.items()
+        if _is_gain(observer, number, parameter) and prepared.value(f"{name}.{number}") > 0
+    ]
     if not paths:
         raise ScenarioError(f"{name} has no numbers to tune; name some with over (--over PATH=log:LOW:HIGH)")
     return {path: _about(prepared, path) for path in _together(prepared, paths)}
 
 
-def _is_gain(prepared: Prepared, observer: Observer, path: str) -> bool:
-    """One that the registry names; of an observer that is not there, any positive number of its own."""
-    words, parameter = path.split("."), prepared.paths.parameters[path]
+def _is_gain(observer: Observer, number: str, parameter: Parameter) -> bool:
+    """One that the registry names; of an observer that is not there, any of its own."""
+    words = number.split(".")
     if observer.tuned:
         return words[-1] in observer.tuned
-    return "initial" not in words and not parameter.whole and not parameter.shared and prepared.value(path) > 0
+    return "initial" not in words and not parameter.whole and not parameter.shared
 
 
 def _together(prepared: Prepared, paths: list[str]) -> list[str]:
@@ -46,5 +54,7 @@ def _together(prepared: Prepared, paths: list[str]) -> list[str]:
 def _about(prepared: Prepared, path: str) -> Range:
     first = prepared.paths.expand(path)[0]
     parameter, value = prepared.paths.parameters[first], prepared.value(first)
-    low, high = max(value / SPAN, parameter.above, parameter.least), min(value * SPAN, parameter.below, parameter.most)
+    bounds = max(parameter.above, 0.0), min(parameter.below, LARGEST)
+    above, below = (bound + _OFF * (value - bound) for bound in bounds)
+    low, high = max(value / SPAN, parameter.least, above, SMALLEST), min(value * SPAN, parameter.most, below)
     return Range(low, high, logarithmic=True)

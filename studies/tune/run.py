@@ -30,6 +30,7 @@ class Tuned:
 
     numbers: path → value of the best, for `changes` of `simulate` and `sweep`; of several objectives the best has the
     smallest product of factors. scenario: path → value as written of the scenario that it is for, with its `base`.
+    corrected: whether the gains are for corrected layers.
     trials: number (trial, path), broken (trial), front (trial), factor (trial, objective): the error over that of the
     scenario's own gains. tests: rmse (gains, trajectory, seed, quantity), of the scenario's own gains and the best, in
     runs that the search has not seen; trajectory 0 is the scenario's own.
@@ -37,6 +38,7 @@ class Tuned:
 
     numbers: Mapping[str, float]
     scenario: Mapping[str, object]
+    corrected: bool
     trials: xr.Dataset
     tests: xr.Dataset
 
@@ -87,7 +89,13 @@ def tuned(task: Task, journal: Path | None, progress: CountedProgress) -> Tuned:
     numbers = {path: float(values[0]) for path, values in zip(axes.paths, axes.values, strict=True)}
     both = np.array([task.own, made.numbers[best]])
     rmse = task.candidates.errors(both, task.tests, task.test_seeds)
-    return Tuned(numbers, task.scenario, of_trials(task, made, on_front, best), of_tests(task, rmse))
+    return Tuned(
+        numbers,
+        task.scenario,
+        task.plan.prepared.corrected,
+        of_trials(task, made, on_front, best),
+        of_tests(task, rmse),
+    )
 
 
 def _judge(task: Task) -> Judge:

@@ -15,12 +15,13 @@ from ..files.errors import ScenarioError
 from ..files.numbers import whole
 from ..files.quote import shown, table
 from ..scenarios.layers import Value, written
-from ..scenarios.prepare import prepare
+from ..scenarios.prepare import Prepared, prepare
 from ..simulate.run import recorded
 from ..sweep.axes import Axes, Range, check_range
 from ..sweep.computing import Compute
 from ..sweep.plan import Plan, Seeds, plan
 from .candidates import Candidates
+from .equations import equations
 from .ranges import usual_ranges
 from .trajectories import Trajectories, trajectories
 
@@ -32,6 +33,8 @@ _DICE_OF_TRAINING, _DICE_OF_TESTS = 0, 1
 _TEST_SEEDS = 10
 # the front compares each trial with each other one
 _MOST_TRIALS, _MOST_SEEDS = 20_000, 1_000
+
+_PERIOD = "noise.period"
 
 # a quantity, or several with commas between or as a list, whose errors are one objective
 Objective = str | Sequence[str]
@@ -64,9 +67,8 @@ class Task:
     @property
     def test_seeds(self) -> Seeds:
         """Seeds that no training run has."""
-        noisy = self.plan.prepared.grid.hold
         first = int(self.plan.seeds.max()) + 1
-        return np.arange(first, first + (_TEST_SEEDS if noisy else 1), dtype=np.uint64)
+        return np.arange(first, first + (_TEST_SEEDS if is_noisy(self.plan.prepared) else 1), dtype=np.uint64)
 
 
 def task(
@@ -81,11 +83,16 @@ def task(
     compute: Compute,
 ) -> Task:
     """ScenarioError says what is wrong."""
+    if not isinstance(observer, str | Block):
+        raise ScenarioError(f"a search is of one observer, not {shown(observer)}")
     prepared = prepare(source, observer, changes, corrected=corrected)
     (name,) = prepared.chosen
     ranges = dict(_checked(table("over", over))) or usual_ranges(prepared, prepared.chosen[name], name)
+    following = {one.path for one in equations(prepared)}
+    if fixed := [path for path in ranges if following & set(prepared.paths.expand(path))]:
+        raise ScenarioError(f"{fixed[0]} follows from other numbers by a gain condition; tune those")
     ends = {path: [span.low, span.high] for path, span in ranges.items()}
-    count = whole("seeds", seeds, 1, _MOST_SEEDS) if prepared.value("noise.period") else 1
+    count = whole("seeds", seeds, 1, _MOST_SEEDS) if is_noisy(prepared) else 1
     # as if the ends of all ranges were swept: each must be a number that changes something
     checked = plan(source, ends, count, observer, changes, "zip", corrected=corrected)
     alone = replace(checked, axes=Axes("zip", (), ()))
@@ -107,6 +114,12 @@ def task(
     )
 
 
+def is_noisy(prepared: Prepared) -> bool:
+    """Whether runs of different seeds are different."""
+    noise = (path for path in prepared.paths.parameters if path.startswith("noise.") and path != _PERIOD)
+    return prepared.value(_PERIOD) > 0 and any(map(prepared.value, noise))
+
+
 def _checked(over: Mapping[str, object]) -> Iterator[tuple[str, Range]]:
     for path, span in over.items():
         if not isinstance(span, Range) or span.count:
@@ -118,9 +131,9 @@ def _checked(over: Mapping[str, object]) -> Iterator[tuple[str, Range]]:
 def _objectives(quantities: Sequence[Objective] | None, known: Sequence[str]) -> tuple[tuple[str, ...], ...]:
     if quantities is None:
         return (tuple(known),)
-    if isinstance(quantities, str):
+    if isinstance(quantities, str) or not isinstance(quantities, Sequence):
         raise ScenarioError(f"quantities must be a list of objectives, not {shown(quantities)}")
-    groups = [one.split(",") if isinstance(one, str) else list(one) for one in quantities]
+    groups = [one.split(",") if isinstance(one, str) else _names(one) for one in quantities]
     named = [quantity for group in groups for quantity in group]
     for quantity in named:
         if quantity not in known:
@@ -130,6 +143,12 @@ def _objectives(quantities: Sequence[Objective] | None, known: Sequence[str]) ->
     if len(set(named)) < len(named):
         raise ScenarioError("a quantity is named twice")
     return tuple(map(tuple, groups))
+
+
+def _names(objective: object) -> list[str]:
+    if not isinstance(objective, Sequence):
+        raise ScenarioError(f"an objective is the name of a quantity, or several, not {shown(objective)}")
+    return list(objective)
 
 
 def _truth(traces: Mapping[str, Trace]) -> Trace:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from rich.table import Table
 
-from ....observers import label
+from ....observers import OBSERVERS, label
 from ...files.toml import toml_value
 from ...tune.run import Tuned
 from .number import counted, number
@@ -30,10 +30,9 @@ def sentences(found: Tuned) -> Iterator[str]:
         )
     numbers = (f"{path.partition('.')[2]} = {value:.{_DIGITS}g}" for path, value in found.numbers.items())
     yield f"{who}: {', '.join(numbers)}"
-    yield (
-        f"tested with {counted(tests.sizes['seed'], 'other seed')}, on the scenario's trajectory and on "
-        f"{counted(tests.sizes['trajectory'] - 1, 'other')}:"
-    )
+    seeds = tests.sizes["seed"]
+    noise = f"with {seeds:,} other seeds" if seeds > 1 else "without noise"
+    yield (f"tested {noise}, on the scenario's trajectory and on {counted(tests.sizes['trajectory'] - 1, 'other')}:")
 
 
 def factors_table(found: Tuned) -> Table:
@@ -51,9 +50,12 @@ def factors_table(found: Tuned) -> Table:
 
 def scenario_file(found: Tuned) -> str:
     """The scenario with the gains, as TOML that says what it is."""
-    who, count = label(found.trials.attrs["observer"]), found.trials.sizes["trial"]
+    name, count = found.trials.attrs["observer"], found.trials.sizes["trial"]
+    run = f"--observer {name if name in OBSERVERS else f'FILE.py:{name}'}{' --corrected' * found.corrected}"
+    objectives = "; ".join(found.trials.objective.values)
     lines = [
-        f"# gains of {who} by {count:,} trials: the smallest error of {'; '.join(found.trials.objective.values)}",
+        f"# gains of {label(name)} by {count:,} trials: the smallest error of {objectives}",
+        f"# hillobs simulate THIS_FILE {run}",
         *(f"{path} = {toml_value(value)}" for path, value in {**found.scenario, **found.numbers}.items()),
     ]
     return "\n".join(lines) + "\n"

@@ -64,7 +64,7 @@ def set_option(sentence: str) -> Decorator:
     )
 
 
-def over_option() -> Decorator:
+def over_option(sentence: str = "0.1,0.2 or lin:LOW:HIGH:COUNT or log:….") -> Decorator:
     """`--over PATH=VALUES`, which may be repeated: a dict."""
     return click.option(
         "--over",
@@ -72,7 +72,7 @@ def over_option() -> Decorator:
         metavar="PATH=VALUES",
         callback=_axes,
         shell_complete=_complete_paths,
-        help="0.1,0.2 or lin:LOW:HIGH:COUNT or log:….",
+        help=sentence,
     )
 
 

@@ -125,7 +125,7 @@ def test_what_no_trials_can_be_is_a_sentence(five: Recording) -> None:
         ([once, trial(seen, {"muscle1": 0.0})], "five.csv is given twice for muscle1"),
         ([Trial(seen, {"biceps": 1.0})], "'biceps' is no muscle of these; there are muscle1, muscle2"),
         ([trial(seen.part(slice(120, 290)), MAXIMAL)], "muscle1 is known for .* s; a trial takes 1 s or more"),
-        ([Trial(seen, MAXIMAL, between=(20.0, 30.0))], "no sample tells anything of muscle1"),
+        ([Trial(seen, MAXIMAL, between=(20.0, 30.0))], "no sample lies between 20 and 30 s; it has 0 to 4.995 s"),
         ([trial(seen.part(slice(0, 30)), MAXIMAL)], "Kalman filter finds its densities in 50 or more"),
     ):
         with pytest.raises((ScenarioError, RecordingError), match=sentence):

@@ -1,5 +1,6 @@
 """Gains of observers by search: what is tuned, on which runs, and what is refused."""
 
+import dataclasses
 import math
 import tomllib
 from pathlib import Path
@@ -10,6 +11,7 @@ import xarray as xr
 
 import hillobs
 from command_line import in_a_process
+from hillobs.observers import OBSERVERS
 from hillobs.studies.scenarios.prepare import prepare
 from hillobs.studies.simulate.run import simulate
 from hillobs.studies.sweep.axes import Range
@@ -101,6 +103,26 @@ def test_ranges_are_about_the_scenarios_numbers_and_within_their_bounds() -> Non
     assert (span.low, span.high, span.logarithmic) == (0.05 / SPAN, 0.05 * SPAN, True)
 
 
+def test_a_range_stays_below_what_is_no_value_and_within_all_numbers() -> None:
+    prepared = prepare("paper-noisy", "high_gain", {"high_gain.h11": 1e30, "high_gain.h12": 1e-30})
+    ranges = usual_ranges(prepared, prepared.chosen["high_gain"], "high_gain")
+    assert ranges["high_gain.h11"].high <= 1e30
+    assert ranges["high_gain.h12"].low >= 1e-30
+
+
+def test_of_ones_own_observer_its_own_positive_numbers_are_tuned() -> None:
+    """Not the guards of what is wired behind it, nor where it starts, nor what it shares with the plant."""
+    mine = dataclasses.replace(OBSERVERS["levant"].block(), name="mine")
+    prepared = prepare("paper-noisy", mine, {})
+    ranges = usual_ranges(prepared, prepared.chosen["mine"], "mine")
+    assert list(ranges) == [f"mine.{number}" for number in ("L_D", "L_u1", "L_u2", "eps_h", "eps_L")]
+
+
+def test_without_noise_one_seed_tells_all() -> None:
+    made = asked("high_gain", "paper-clean")
+    assert (len(made.plan.seeds), len(made.test_seeds)) == (1, 1)
+
+
 def test_joints_and_muscles_of_a_mechanism_have_one_number_each() -> None:
     prepared = prepare("hinge", "high_gain", {})
     ranges = usual_ranges(prepared, prepared.chosen["high_gain"], "high_gain")
@@ -123,6 +145,14 @@ def test_digits_of_what_is_tried_are_few() -> None:
         ({"quantities": ["x9"]}, "unknown quantity 'x9'"),
         ({"quantities": ["x2", "x1,x2"]}, "a quantity is named twice"),
         ({"quantities": []}, "at least one quantity"),
+        ({"quantities": 3}, "quantities must be a list of objectives, not 3"),
+        ({"quantities": [None]}, "an objective is the name of a quantity, or several, not None"),
+        ({"observer": ["high_gain", "kalman"]}, "a search is of one observer, not"),
+        ({"observer": None}, "a search is of one observer, not None"),
+        (
+            {"observer": "adaptive_sliding_mode", "over": {"adaptive_sliding_mode.alpha0": Range(1, 2)}},
+            "adaptive_sliding_mode.alpha0 follows from other numbers by a gain condition; tune those",
+        ),
         ({"quantities": "x2"}, "quantities must be a list of objectives, not 'x2'"),
         ({"trials": 10**6}, "trials must be"),
         ({"quantities": ["x2", ""]}, "unknown quantity ''"),
