@@ -12,7 +12,7 @@ from ...league.cells import CELLS
 from ...league.claims import Claim
 from ...league.gains import SETS
 from ...league.play import Entry, Played
-from .number import number, percent
+from .number import number
 
 # behind an error whose observer breaks a condition of its theorem there, or failed in some runs
 _BROKEN, _FAILED = "†", "✗"
@@ -33,7 +33,7 @@ def home_table(
         yield _row([name, *cells, number(cost[entry.observer])])
     yield _row(["baseline", *(_median_and_spread(home.sel(entry="baseline", quantity=q)) for q in quantities), ""])
     for line in lines.line.values.tolist():
-        yield _row([f"*{line}*", *(number(float(lines.sel(line=line, quantity=q).median())) for q in quantities), ""])
+        yield _row([f"*{line}*", *(_whole(float(lines.sel(line=line, quantity=q).median())) for q in quantities), ""])
 
 
 def cells_table(played: Played, quantity: str) -> Iterator[str]:
@@ -44,7 +44,7 @@ def cells_table(played: Played, quantity: str) -> Iterator[str]:
         for cell in CELLS:
             errors = played.errors.sel(entry=name, cell=cell.name, quantity=quantity).values
             failed = int(np.isnan(errors).sum())
-            median = number(float(np.median(np.where(np.isnan(errors), np.inf, errors))))
+            median = _whole(float(np.median(np.where(np.isnan(errors), np.inf, errors))))
             row.append(f"{median}{_mark(played, name, cell.name)}{f' {_FAILED}{failed}' if failed else ''}")
         yield _row(row)
 
@@ -63,7 +63,7 @@ def closed_table(closed: xr.DataArray) -> Iterator[str]:
     yield from _head(["controller sees", "x₁ − r, RMS from τ = 8 on", "worst seed"])
     for name in closed.entry.values.tolist():
         of = closed.sel(entry=name)
-        yield _row([name, number(float(of.median())), number(float(of.max(skipna=False)))])
+        yield _row([name, _whole(float(of.median())), _whole(float(of.max(skipna=False)))])
 
 
 def claims_table(claims: Sequence[Claim]) -> Iterator[str]:
@@ -96,9 +96,15 @@ def gains_list() -> Iterator[str]:
 
 
 def _median_and_spread(errors: xr.DataArray) -> str:
+    """Two lines, so that a page has room for all quantities."""
     median = float(errors.median(skipna=False))
     low, high = errors.quantile(_SPREAD, "seed").values
-    return f"{number(median)} ±{percent((high - low) / 2 / median)}" if median else number(median)
+    return f"{_whole(median)}<br>±{100 * (high - low) / 2 / median:.0f}&nbsp;%" if median else _whole(median)
+
+
+def _whole(value: float) -> str:
+    """A number that no line breaks at its exponent."""
+    return number(value).replace("-", "−")
 
 
 def _mark(played: Played, entry: str, cell: str) -> str:
