@@ -17,7 +17,8 @@ from types import FrameType
 _WATCHED = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 # a shell adds the number of the signal
 _STATUS = 128
-_AGAIN = 0.01  # seconds between two looks whether somebody has swallowed the exception
+_AGAIN = 0.05  # seconds between two looks whether somebody has swallowed the exception
+_SOON = 0.001  # the same, where somebody has said so: not while that is being said
 _PATIENCE = 30.0  # seconds that cleaning up may take
 
 
@@ -75,9 +76,11 @@ class _Stoppable:
             os._exit(_STATUS + self._number)
 
     def _tell_unraisable(self, unraisable: sys.UnraisableHookArgs) -> None:
-        # after a signal it is Stopped itself, or the destructor of what was half made when it came
         if not self._number:
             sys.__unraisablehook__(unraisable)
+        elif not self._over:
+            # Stopped itself was swallowed, or the destructor of what was half made when it came has failed
+            signal.setitimer(signal.ITIMER_REAL, _SOON, _AGAIN)
 
     def _handle(self, number: int, frame: FrameType | None) -> None:
         if self._over:
