@@ -111,6 +111,13 @@ def find(folder: Path, order: Order) -> Path | None:
     return library
 
 
+def kept(key: str, make: Callable[[], bytes]) -> bytes:
+    """Return what is kept under a key; if nothing is, what `make` makes, which is kept then."""
+    if (content := recall(key)) is None:
+        remember(key, content := make())
+    return content
+
+
 def remember(key: str, content: bytes) -> None:
     """Keep some bytes under a key, where that can be: what cannot be kept is made again."""
     folder = cache_folder()

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from dataclasses import asdict
 
 import casadi as ca
 
 from ..model.block import EXPRESSIONS, STEP, Block
-from .cache import entry_key, recall, remember
+from .cache import entry_key, kept
 from .export import Source
 from .loop import Loop, export_loop
 from .own_code import own_code
@@ -21,12 +22,7 @@ def exported(loop: Loop) -> Source:
     """What `export_loop` makes of the loop, from the cache if it is there."""
     if not (code := own_code(*_PACKAGES)):
         return export_loop(loop)
-    key = fingerprint(loop, code)
-    if kept := recall(key):
-        return Source(**json.loads(kept))
-    source = export_loop(loop)
-    remember(key, json.dumps({"text": source.text, "description": source.description}).encode())
-    return source
+    return Source(**json.loads(kept(fingerprint(loop, code), lambda: json.dumps(asdict(export_loop(loop))).encode())))
 
 
 def fingerprint(loop: Loop, code: str) -> str:

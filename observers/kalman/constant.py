@@ -19,7 +19,7 @@ from ...model.symbols import hat
 from ..chained import OF_JOINT, OF_MUSCLE, Chains, chain
 from ..high_gain import LIMIT
 from ..observer import Observer, Sizes
-from .parameters import FROM_BOUNDS, INPUTS, NOISE, PAPER_NOISE, densities, resolved
+from .parameters import FROM_BOUNDS, INPUTS, NOISE, PAPER_NOISE, TUNED, densities, resolved
 from .states import CHAINS, LONGEST
 
 # slope of both tendons at the start of the paper's runs, L_S = 2.018
@@ -105,6 +105,4 @@ def gains(s: Sizes, T: float) -> Mapping[str, float]:
     return {"sigma_1": known.sigma_1, "sigma_L": known.sigma_L, **densities(known, T), "T": T}
 
 
-KALMAN_CONSTANT = Observer(
-    "KF const", chains, gains=gains, rates=rates, limit=LIMIT, period="T", tuned=("s_D", "s_u1", "s_u2")
-)
+KALMAN_CONSTANT = Observer("KF const", chains, gains=gains, rates=rates, limit=LIMIT, period="T", tuned=TUNED)

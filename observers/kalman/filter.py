@@ -11,7 +11,7 @@ from ..ports import SENSED
 from ..slopes import SLOPES
 from .apart.estimates import estimates_apart
 from .inputs import INPUTS_MODEL as MODEL
-from .parameters import gains
+from .parameters import TUNED, gains
 from .states import ENTRIES, MEAN, covariance, scalars
 from .update import measured, predicted
 
@@ -51,6 +51,4 @@ def _named(mean: ca.SX) -> dict[str, ca.SX]:
     return dict(zip(MEAN, ca.vertsplit(mean), strict=True))
 
 
-# what is measured alone, the noise, stays as it is
-TUNED = ("s_D", "s_u1", "s_u2")
 KALMAN = Observer("KF", whole=kalman, apart=estimates_apart, gains=gains, rates=no_rates, fitted=True, tuned=TUNED)

@@ -29,6 +29,9 @@ INPUTS: Parameters = {
     ),
 }
 
+# what `tune` changes of the filters: the noise is measured alone, and orders are no gains
+TUNED = ("s_D", "s_u1", "s_u2")
+
 # speed w of a chain of order 2, times the ε of the triple pole of high gain that is as noisy
 _C1, _CL3 = 0.602, 1.053
 # an input changes by its own size within this time, however slow it is

@@ -14,16 +14,18 @@ from matplotlib.lines import Line2D
 from ...model.symbols import signal_of
 from ...observers import label
 from ..league.gains import SETS
+from ..league.lines import BOUND, SMOOTHER
 from ..league.play import Entry
+from ..scenarios.prepare import BASELINE
 from . import style
 from .page import above, settings
 
 # of each set of gains
 _MARKERS = dict(zip((gains.name for gains in SETS), ("o", "D", "s", "*"), strict=True))
 _LINES: Mapping[str, style.Style] = {
-    "baseline": {"color": "0.4", "linestyle": ":"},
-    "bound": {"color": "black", "linestyle": (0, (4, 3))},
-    "smoother": {"color": "black", "linestyle": "-"},
+    BASELINE: {"color": "0.4", "linestyle": ":"},
+    BOUND: {"color": "black", "linestyle": (0, (4, 3))},
+    SMOOTHER: {"color": "black", "linestyle": "-"},
 }
 # largest factor that has a colour of its own
 _MOST = 30.0
@@ -46,7 +48,7 @@ def cost_figure(
                 colour = looks[entry.observer]["color"]
                 axes.plot(cost[entry.observer], error, _MARKERS[entry.gains], color=colour, markersize=5)
             for name, look in _LINES.items():
-                of = medians.sel(entry=name) if name == "baseline" else lines.sel(line=name)
+                of = medians.sel(entry=name) if name == BASELINE else lines.sel(line=name)
                 axes.axhline(float(of.sel(quantity=quantity)), linewidth=0.8, **look)
             axes.set_yscale("log")
             axes.set_title(signal_of(quantity).symbol, fontsize=9)

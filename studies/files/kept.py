@@ -5,7 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable
 
-from ...codegen.cache import CacheWarning, entry_key, recall, remember
+from ...codegen.cache import CacheWarning, entry_key, kept
 from ...codegen.own_code import own_code
 
 # all that a text may follow from
@@ -20,8 +20,4 @@ def kept_text(name: str, make: Callable[[], str]) -> str:
     with warnings.catch_warnings():
         # who asks for a text has not asked for the cache
         warnings.simplefilter("ignore", CacheWarning)
-        if (kept := recall(key)) is not None:
-            return kept.decode()
-        text = make()
-        remember(key, text.encode())
-    return text
+        return kept(key, lambda: make().encode()).decode()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
 from .errors import TomlError
@@ -60,6 +60,12 @@ def toml_value(value: object) -> str:
         case Mapping():
             return f"{{ {', '.join(f'{_key(key)} = {toml_value(inner)}' for key, inner in value.items())} }}"
     return repr(value)
+
+
+def toml_numbers(comments: Iterable[str], content: Mapping[str, object]) -> str:
+    """A TOML file of dotted paths with a value each, below some comments."""
+    lines = [*(f"# {comment}" for comment in comments), *(f"{path} = {toml_value(of)}" for path, of in content.items())]
+    return "\n".join(lines) + "\n"
 
 
 def toml_document(content: Mapping[str, object]) -> str:

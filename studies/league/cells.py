@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-from ..scenarios.layers import Value
+from ..scenarios.layers import Value, layers
 from ..scenarios.prepare import prepare
 
 
@@ -32,14 +32,19 @@ class Cell:
         return {**self.changes, **wrong}
 
 
-# the paper's half-width of the noise
-_NOISE = 1e-3
 # forces that a muscle's tendon has at all lengths
 _STIFFNESS = tuple(f"muscle{j}.{number}" for j in (1, 2) for number in ("k", "F_toe"))
 
 
+def shipped_numbers(name: str) -> dict[str, float]:
+    """Path → number of a shipped scenario, as its file has them."""
+    _, (file, _) = layers(name, {})
+    return {path: float(value) for path, value in file.leaves.items() if isinstance(value, int | float)}
+
+
 def _noise(times: int) -> Cell:
-    half_widths = {"noise.x1": times * _NOISE, "noise.force": times * _NOISE}
+    own = shipped_numbers(HOME.source)
+    half_widths: dict[str, Value] = {path: times * own[path] for path in ("noise.x1", "noise.force")}
     return Cell(f"noise × {times}", f"noise of position and forces × {times}", changes=half_widths)
 
 

@@ -17,7 +17,7 @@ from .gains import SETS
 from .play import entries
 
 # τ from which on a start is forgotten
-_SETTLED = 8.0
+SETTLED = 8.0
 
 
 def closed(seeds: Sequence[int], progress: CountedProgress) -> xr.DataArray:
@@ -42,5 +42,5 @@ def _missed(observer: str, changes: Mapping[str, Value], corrected: bool) -> flo
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RunWarning)  # a failure is NaN in the table
         run = simulate(HOME.source, observer, {**HOME.changes, **changes}, corrected=corrected)
-    late = run.sel(time=slice(_SETTLED, None))
+    late = run.sel(time=slice(SETTLED, None))
     return float(np.sqrt(((late.x.sel(state="x1") - late.r) ** 2).mean(skipna=False)))

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 
 from ...observers import OBSERVERS
 from ..estimate.of_scenario import sampled
-from ..scenarios.layers import layers
-from .cells import Cell
+from .cells import Cell, shipped_numbers
 
 # the shipped scenario whose gains are those that `hillobs tune` found for the paper's noisy one
 TUNED = "tuned"
@@ -37,9 +36,7 @@ def _by_rule(cell: Cell) -> dict[str, float]:
 
 
 def _tuned(cell: Cell) -> dict[str, float]:
-    _, (shipped, _) = layers(TUNED, {})
-    given = {path: value for path, value in shipped.leaves.items() if path.partition(".")[0] in OBSERVERS}
-    return {path: float(value) for path, value in given.items() if isinstance(value, int | float)}
+    return {path: value for path, value in shipped_numbers(TUNED).items() if path.partition(".")[0] in OBSERVERS}
 
 
 SETS = (

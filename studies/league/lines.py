@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
@@ -18,8 +19,6 @@ from ..scenarios.layers import Value
 from ..simulate.run import simulate
 
 SMOOTHER, BOUND = "smoother", "bound"
-# τ that do not count, as in the scenario
-_START = 2.0
 
 
 def lines(
@@ -38,11 +37,12 @@ def lines(
     for done, seed in enumerate(seeds):
         progress(done, len(seeds))
         of = sampled(source, {**changes, "seed": seed})
-        late, true = of.record.tau >= _START, _signals(of.run)
+        start = json.loads(of.run.attrs["parameters"])["score.start"]
+        late, true = of.record.tau >= start, _signals(of.run)
         smooth = passed(of.record, How(INPUTS, None), {}, 1, unseen).outputs
         errors = [_root_mean_square(smooth[hat(name)][late] - true[name][late]) for name in quantities]
         filtered = simulate(source, KALMAN, {**changes, "seed": seed}).isel(observer=0)
-        sds = _signals(filtered.sel(time=slice(_START, None)), sd)
+        sds = _signals(filtered.sel(time=slice(start, None)), sd)
         rows.append([errors, [_root_mean_square(sds[name]) for name in quantities]])
     coordinates = {"seed": list(seeds), "line": [SMOOTHER, BOUND], "quantity": list(quantities)}
     return xr.DataArray(np.array(rows), coordinates, ("seed", "line", "quantity"))

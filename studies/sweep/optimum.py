@@ -20,6 +20,10 @@ def axes_of(dataset: xr.Dataset) -> Axes:
     return Axes(dataset.attrs["kind"], tuple(paths), tuple(dataset[path].values for path in paths))
 
 
+# of the seeds, the middle two thirds
+SPREAD = (1 / 6, 5 / 6)
+
+
 def shown_of(dataset: xr.Dataset, usual: Sequence[str]) -> list[str]:
     """The quantities to show: the usual ones of all, or those that were asked for."""
     there: list[str] = dataset.quantity.values.tolist()

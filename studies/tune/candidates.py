@@ -14,7 +14,7 @@ from ..sweep.axes import Axes
 from ..sweep.computing import Compute
 from ..sweep.conditions import Violated, swept_conditions
 from ..sweep.plan import Plan, Seeds
-from .equations import equations
+from .equations import Equation
 from .trajectories import Trajectories
 
 # digits of a number that is tried: a file of gains is read by people
@@ -25,12 +25,13 @@ _DIGITS = 4
 class Candidates:
     """How sets of gains of one observer are tried. paths: of what is tuned, in the order of a candidate's numbers.
 
-    truths: recorded runs, for the suprema that conditions are about.
+    equations: of the numbers that follow from these. truths: recorded runs, for the suprema that conditions are about.
     """
 
     plan: Plan
     compiled: CompiledLoop
     paths: tuple[str, ...]
+    equations: Sequence[Equation]
     truths: Sequence[Trace]
     compute: Compute
 
@@ -62,7 +63,7 @@ class Candidates:
         """The candidates as the points of a sweep, with the numbers that follow from theirs."""
         values = dict(zip(self.paths, rounded(numbers).T, strict=True))
         prepared = self.plan.prepared
-        values |= {one.path: one.solved(prepared, values, len(numbers)) for one in equations(prepared)}
+        values |= {one.path: one.solved(prepared, values, len(numbers)) for one in self.equations}
         return Axes("zip", tuple(values), tuple(values.values()))
 
 

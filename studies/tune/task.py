@@ -68,7 +68,7 @@ class Task:
     def test_seeds(self) -> Seeds:
         """Seeds that no training run has."""
         first = int(self.plan.seeds.max()) + 1
-        return np.arange(first, first + (_TEST_SEEDS if is_noisy(self.plan.prepared) else 1), dtype=np.uint64)
+        return np.arange(first, first + (_TEST_SEEDS if _is_noisy(self.plan.prepared) else 1), dtype=np.uint64)
 
 
 def task(
@@ -88,11 +88,12 @@ def task(
     prepared = prepare(source, observer, changes, corrected=corrected)
     (name,) = prepared.chosen
     ranges = dict(_checked(table("over", over))) or usual_ranges(prepared, prepared.chosen[name], name)
-    following = {one.path for one in equations(prepared)}
-    if fixed := [path for path in ranges if following & set(prepared.paths.expand(path))]:
+    following = tuple(equations(prepared))
+    solved = {one.path for one in following}
+    if fixed := [path for path in ranges if solved & set(prepared.paths.expand(path))]:
         raise ScenarioError(f"{fixed[0]} follows from other numbers by a gain condition; tune those")
     ends = {path: [span.low, span.high] for path, span in ranges.items()}
-    count = whole("seeds", seeds, 1, _MOST_SEEDS) if is_noisy(prepared) else 1
+    count = whole("seeds", seeds, 1, _MOST_SEEDS) if _is_noisy(prepared) else 1
     # as if the ends of all ranges were swept: each must be a number that changes something
     checked = plan(source, ends, count, observer, changes, "zip", corrected=corrected)
     alone = replace(checked, axes=Axes("zip", (), ()))
@@ -108,13 +109,13 @@ def task(
         ranges,
         _objectives(quantities, prepared.quantities),
         whole("trials", trials, 1, _MOST_TRIALS),
-        Candidates(alone, compiled, tuple(ranges), truths, compute),
+        Candidates(alone, compiled, tuple(ranges), following, truths, compute),
         training,
         trajectories(prepared, _TESTS, _DICE_OF_TESTS),
     )
 
 
-def is_noisy(prepared: Prepared) -> bool:
+def _is_noisy(prepared: Prepared) -> bool:
     """Whether runs of different seeds are different."""
     noise = (path for path in prepared.paths.parameters if path.startswith("noise.") and path != _PERIOD)
     return prepared.value(_PERIOD) > 0 and any(map(prepared.value, noise))

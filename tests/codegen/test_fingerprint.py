@@ -21,7 +21,7 @@ OWN = (OBSERVERS["high_gain"],)
 
 def fresh(observers: tuple[Observer, ...] = OWN, **given: object) -> Loop:
     """A small loop, of symbols that no other one has."""
-    return paper_loop.__wrapped__("given", given.pop("curves", NGUYEN2019), observers, **given)  # type: ignore[attr-defined]
+    return paper_loop.__wrapped__("given", given.pop("curves", NGUYEN2019), observers, **given)
 
 
 def with_observer(change: Callable[[Block], Block]) -> Loop:
@@ -62,7 +62,7 @@ def reversed_inputs(block: Block) -> Block:
 
 
 OTHERS: dict[str, Callable[[], Loop]] = {
-    **{group: lambda group=group: added(group) for group in ("x0", "limits", *EXPRESSIONS)},  # type: ignore[misc]
+    **{group: lambda group=group: added(group) for group in ("x0", "limits", *EXPRESSIONS)},
     "curves": lambda: fresh(curves=DEGROOTE_FREGLY2016),
     "layers": lambda: fresh((OBSERVERS["sliding_mode"],), corrected=True),
     "one more observer": lambda: fresh((*OWN, OBSERVERS["high_gain_3"])),

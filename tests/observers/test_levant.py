@@ -66,8 +66,13 @@ def test_the_chain_is_the_printed_differentiator(kind: str) -> None:
     """An independent text, through a wrong start, with noise and a known acceleration."""
     L, eps = NUMBERS[kind]
     noise = np.random.default_rng(3).normal(0, 1e-3, 4000)
-    known: Signal = lambda t: 0.1 * np.cos(t)  # noqa: E731
-    measured: Signal = lambda t: 0.3 * np.sin(t) + noise[np.asarray(t / 0.0025 + 0.5, dtype=int)]  # noqa: E731
+
+    def known(t: np.ndarray) -> np.ndarray:
+        return 0.1 * np.cos(t)
+
+    def measured(t: np.ndarray) -> np.ndarray:
+        return 0.3 * np.sin(t) + noise[np.asarray(t / 0.0025 + 0.5, dtype=int)]
+
     numbers = {L: 0.6, eps: 0.02}
     ours = followed(kind, measured, known, numbers, 0.005, 1000)
     place = len(CHAINS[kind].x) - 2

@@ -21,6 +21,7 @@ from ...league.closed import closed
 from ...league.cost import cost
 from ...league.lines import lines
 from ...league.play import entries, played
+from ...scenarios.prepare import BASELINE
 from ..reports.league import (
     arm_table,
     cells_list,
@@ -79,7 +80,7 @@ def main() -> None:
         write_page = "\n".join([f"{before}{_BEGIN}\n", *text, f"\n{_END}{after}"])
         _PAGE.write_text(write_page, encoding="utf-8")
         write_whole(_COST, content(cost_figure(home, costs, best.median("seed"), entries(), _SHOWN), "png"))
-        write_whole(_ROBUST, content(robustness_figure(medians.drop_sel(entry="baseline")), "png"))
+        write_whole(_ROBUST, content(robustness_figure(medians.drop_sel(entry=BASELINE)), "png"))
         say(f"written to {_PAGE}, {_COST} and {_ROBUST}")
 
 

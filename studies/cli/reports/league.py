@@ -10,14 +10,15 @@ import xarray as xr
 from ....observers import label
 from ...league.cells import CELLS
 from ...league.claims import Claim
+from ...league.closed import SETTLED
 from ...league.gains import SETS
 from ...league.play import Entry, Played
+from ...scenarios.prepare import BASELINE
+from ...sweep.optimum import SPREAD
 from .number import number
 
 # behind an error whose observer breaks a condition of its theorem there, or failed in some runs
 _BROKEN, _FAILED = "†", "✗"
-# of the seeds, the middle two thirds
-_SPREAD = (1 / 6, 5 / 6)
 
 
 def home_table(
@@ -31,7 +32,7 @@ def home_table(
         cells = [_median_and_spread(home.sel(entry=str(entry), quantity=quantity)) for quantity in quantities]
         name = f"{entry}{_mark(played, str(entry), CELLS[0].name)}"
         yield _row([name, *cells, number(cost[entry.observer])])
-    yield _row(["baseline", *(_median_and_spread(home.sel(entry="baseline", quantity=q)) for q in quantities), ""])
+    yield _row([BASELINE, *(_median_and_spread(home.sel(entry=BASELINE, quantity=q)) for q in quantities), ""])
     for line in lines.line.values.tolist():
         yield _row([f"*{line}*", *(_whole(float(lines.sel(line=line, quantity=q).median())) for q in quantities), ""])
 
@@ -60,7 +61,7 @@ def arm_table(arm: xr.DataArray) -> Iterator[str]:
 
 def closed_table(closed: xr.DataArray) -> Iterator[str]:
     """What is tracked, by whose estimates."""
-    yield from _head(["controller sees", "x₁ − r, RMS from τ = 8 on", "worst seed"])
+    yield from _head(["controller sees", f"x₁ − r, RMS from τ = {SETTLED:g} on", "worst seed"])
     for name in closed.entry.values.tolist():
         of = closed.sel(entry=name)
         yield _row([name, _whole(float(of.median())), _whole(float(of.max(skipna=False)))])
@@ -98,7 +99,7 @@ def gains_list() -> Iterator[str]:
 def _median_and_spread(errors: xr.DataArray) -> str:
     """Two lines, so that a page has room for all quantities."""
     median = float(errors.median(skipna=False))
-    low, high = errors.quantile(_SPREAD, "seed").values
+    low, high = errors.quantile(SPREAD, "seed").values
     return f"{_whole(median)}<br>±{100 * (high - low) / 2 / median:.0f}&nbsp;%" if median else _whole(median)
 
 

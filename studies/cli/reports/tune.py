@@ -8,7 +8,7 @@ import numpy as np
 from rich.table import Table
 
 from ....observers import OBSERVERS, label
-from ...files.toml import toml_value
+from ...files.toml import toml_numbers
 from ...tune.run import Tuned
 from .number import counted, number
 
@@ -53,9 +53,8 @@ def scenario_file(found: Tuned) -> str:
     name, count = found.trials.attrs["observer"], found.trials.sizes["trial"]
     run = f"--observer {name if name in OBSERVERS else f'FILE.py:{name}'}{' --corrected' * found.corrected}"
     objectives = "; ".join(found.trials.objective.values)
-    lines = [
-        f"# gains of {label(name)} by {count:,} trials: the smallest error of {objectives}",
-        f"# hillobs simulate THIS_FILE {run}",
-        *(f"{path} = {toml_value(value)}" for path, value in {**found.scenario, **found.numbers}.items()),
+    comments = [
+        f"gains of {label(name)} by {count:,} trials: the smallest error of {objectives}",
+        f"hillobs simulate THIS_FILE {run}",
     ]
-    return "\n".join(lines) + "\n"
+    return toml_numbers(comments, {**found.scenario, **found.numbers})

@@ -14,14 +14,12 @@ from matplotlib.patches import Patch
 
 from ....model.arrays import Array
 from ....observers import label
-from ...sweep.optimum import Optimum, errors, failed, medians, optimum, own_value, varied, violated
+from ...sweep.optimum import SPREAD, Optimum, errors, failed, medians, optimum, own_value, varied, violated
 from .. import style
 from ..page import above, settings
 from ..symbols import symbol
 from .panels import OPTIMUM, OWN, SMALLEST, edges, error_scale, flattened, name_axes, panels, scale
 
-# of the seeds, the middle two thirds
-_SPREAD = (1 / 6, 5 / 6)
 _CLEAN: style.Style = {"color": "black", "linestyle": (0, (4, 3)), "linewidth": 0.9}
 _FAILED: style.Style = {"linestyle": "none", "marker": "x", "markersize": 4, "clip_on": False, "zorder": 6}
 _VIOLATED: style.Style = {"facecolor": "none", "hatch": "////", "linewidth": 0, "alpha": 0.5, "zorder": 0.5}
@@ -66,7 +64,7 @@ def _line(axes: Axes, flat: xr.Dataset, observer: str, quantity: str, look: styl
     axes.plot(values, median.values, **look)
     if flat.sizes["seed"] > 1:
         # the nearest rank: nothing is interpolated between a number and a failure
-        low, high = (_finite(errors(scored).quantile(share, "seed", method="nearest")) for share in _SPREAD)
+        low, high = (_finite(errors(scored).quantile(share, "seed", method="nearest")) for share in SPREAD)
         axes.fill_between(values, low, high, color=look["color"], alpha=0.25, linewidth=0)
     best = optimum(flat, median, observer)
     if best is not None:

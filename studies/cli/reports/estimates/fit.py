@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from .....observers import label
 from ....estimate.fit import Fitted
 from ....estimate.run import KALMAN
-from ....files.toml import toml_value
+from ....files.toml import toml_numbers
 from .likelihood import orders_of_inputs
 
 _OF_SCENARIO = "hillobs simulate THIS_FILE"
@@ -25,9 +25,8 @@ def sentences(found: Fitted) -> Iterator[str]:
 def scenario_file(found: Fitted) -> str:
     """The scenario with the numbers, or the numbers alone, as TOML that says what it is for."""
     kind = "mechanism" if "chains" in found.choice else "muscles"
-    lines = [
-        f"# for {found.label}: the numbers of the Kalman filter for which what was measured is likeliest",
-        f"# {_OF_SCENARIO if found.scenario else _OF_RECORDING.format(kind=kind)}",
+    comments = [
+        f"for {found.label}: the numbers of the Kalman filter for which what was measured is likeliest",
+        _OF_SCENARIO if found.scenario else _OF_RECORDING.format(kind=kind),
     ]
-    lines += [f"{path} = {toml_value(value)}" for path, value in {**found.scenario, **found.numbers}.items()]
-    return "\n".join(lines) + "\n"
+    return toml_numbers(comments, {**found.scenario, **found.numbers})
